@@ -272,7 +272,7 @@ void World::add_fixed_pair(const SlotPair& pair, const StepSettings& settings, S
     contacts_.add_pair(PairKey::of(bodies_[i].id, fixed_bodies_[f].id, true), i, f);
 }
 
-// Pairs found by the tree: (fixed slot, moving slot), in that order. Pairs beyond the list's capacity are added to the
+// Pairs found by the tree: (fixed slot, moving slot). Pairs beyond the list's capacity are added to the
 // contact table at once, which counts what it leaves out.
 void World::find_fixed_pairs(const StepSettings& settings, StepReport& report) noexcept {
   fixed_pairs_.clear();
@@ -287,6 +287,7 @@ void World::find_fixed_pairs(const StepSettings& settings, StepReport& report) n
     Aabb all = bounds_[0];
     for (const Aabb& box : bounds_) all = join(all, box);
     fixed_tree_.find(all.grown(growth_to_fixed_), [&](std::uint32_t f) noexcept { return few = near.try_push(f); });
+    std::sort(near.begin(), near.end());
   }
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
     if (frozen_[i] != 0) continue;
@@ -298,28 +299,34 @@ void World::find_fixed_pairs(const StepSettings& settings, StepReport& report) n
     for (const std::uint32_t f : near)
       if (fixed_bounds_[f].overlaps(box)) found(f, i);
   }
-  std::sort(fixed_pairs_.begin(), fixed_pairs_.end(),
-            [](const SlotPair& p, const SlotPair& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
 }
 
-// Adds the pairs in the order of the fixed bodies, which is mostly that of the keys: planes, which are in no tree, are
-// merged in between.
+// Sorts the pairs with fixed bodies by their keys, which takes less than sorting what they become. Usually the ids of
+// fixed bodies are higher than those of moving ones, and the pairs are in order as they were found.
+void World::sort_fixed_pairs() noexcept {
+  const auto key_of = [this](const SlotPair& pair) noexcept {
+    const Body& fixed = fixed_bodies_[pair.a];
+    const bool is_mesh = fixed.shape.kind == ShapeKind::kMesh;
+    return PairKey::of(bodies_[pair.b].id, is_mesh ? shapes_.meshes[fixed.shape.index].first_patch_id : fixed.id, true);
+  };
+  const auto before = [&](const SlotPair& p, const SlotPair& q) noexcept { return key_of(p) < key_of(q); };
+  if (!std::is_sorted(fixed_pairs_.begin(), fixed_pairs_.end(), before))
+    std::sort(fixed_pairs_.begin(), fixed_pairs_.end(), before);
+}
+
+// Adds the pairs in the order of their keys. Planes are in no tree.
 void World::add_fixed_pairs(StageContext& context) noexcept {
-  const auto add = [&](const SlotPair& pair) noexcept { add_fixed_pair(pair, context.settings, context.report); };
   mesh_triangles_.clear();
   find_fixed_pairs(context.settings, context.report);
   context.pairs = &fixed_pairs_;
   effects_.stages().run(Phase::kFixedPairs, context);
-  std::uint32_t next = 0;
-  const auto add_below = [&](std::uint32_t end) noexcept {
-    for (; next < fixed_pairs_.size() && fixed_pairs_[next].a < end; ++next) add(fixed_pairs_[next]);
-  };
-  for (const std::uint32_t f : fixed_tree_.unbounded()) {
-    add_below(f);
-    for (std::uint32_t i = 0; i < bodies_.size(); ++i)
-      if (frozen_[i] == 0 && reaches_plane(bounds_[i].grown(growth_to_fixed_), fixed_frames_[f])) add({f, i});
-  }
-  add_below(fixed_bodies_.size());
+  for (const std::uint32_t f : fixed_tree_.unbounded())
+    for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
+      if (frozen_[i] != 0 || !reaches_plane(bounds_[i].grown(growth_to_fixed_), fixed_frames_[f])) continue;
+      if (!fixed_pairs_.try_push({f, i})) add_fixed_pair({f, i}, context.settings, context.report);
+    }
+  sort_fixed_pairs();
+  for (const SlotPair& pair : fixed_pairs_) add_fixed_pair(pair, context.settings, context.report);
 }
 
 // Adds one pair for each part of the body and each patch near it, with the patch's triangles.

@@ -142,6 +142,7 @@ class World {
   void add_pairs(StageContext& context) noexcept;
   void add_fixed_pair(const SlotPair& pair, const StepSettings& settings, StepReport& report) noexcept;
   void find_fixed_pairs(const StepSettings& settings, StepReport& report) noexcept;
+  void sort_fixed_pairs() noexcept;
   void add_fixed_pairs(StageContext& context) noexcept;
   void add_part_pairs(const SlotPair& pair, bool fixed, const StepSettings& settings) noexcept;
   void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const StepSettings& settings,

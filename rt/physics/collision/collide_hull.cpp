@@ -59,15 +59,7 @@ HullPolygon clipped_face(const RelativeHulls& hulls, std::uint32_t face, const T
   const Vec3d n = hulls.ref.normal(face);
   const Vec3d down = hulls.to_other(n);
   const HullTopology& topology = *hulls.other.topology;
-  std::uint32_t incident = 0;
-  double lowest = dot(hulls.other.normal(0), down);
-  for (std::uint32_t f = 1; f < topology.faces; ++f) {
-    const double cosine = dot(hulls.other.normal(f), down);
-    if (cosine < lowest) {
-      incident = f;
-      lowest = cosine;
-    }
-  }
+  const std::uint32_t incident = hulls.other.face_along(-down);
   HullPolygon polygon;
   for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
     const std::uint32_t vertex = topology.loop_vertices[k];
@@ -183,6 +175,13 @@ AxisCache cache_of(std::uint8_t axis, std::uint32_t a, std::uint32_t b) noexcept
   return {axis, static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
 }
 
+// Where the search of one hull's faces starts: its best face in the last step, or one of the edge's; kMaxHullFaces if
+// there was none. `cached_at`: of that hull.
+std::uint32_t last_face(const HullTopology& topology, const AxisCache& cached, std::uint32_t cached_at) noexcept {
+  if (cached.axis == kHullFaceA || cached.axis == kHullFaceB) return cached_at;
+  return cached.axis == kHullEdges && cached_at < topology.edges ? topology.edge[cached_at].left : kMaxHullFaces;
+}
+
 // The face of both hulls with the largest separation (A's on a tie), or the last step's if it is about as good.
 ChosenFace choose_face(const RelativeHulls& ab, const RelativeHulls& ba, const FaceSearch& best_a,
                        const FaceSearch& best_b, const AxisCache& cached) noexcept {
@@ -204,16 +203,15 @@ ChosenFace choose_face(const RelativeHulls& ab, const RelativeHulls& ba, const F
 
 void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, Manifold& manifold,
                    AxisCache& cache) noexcept {
-  constexpr std::uint32_t none = 0xffffffffu;
   const double margin = pair.margin;
   const AxisCache cached = cache;
   const RelativeHulls ab = relative_hulls(pair, a, b);
   if (const HullGap gap = find_gap(ab, cached, margin); gap.apart) return report_gap(pair, gap.gap, manifold);
   FaceSearch best_a, best_b;
-  find_best_face(ab, margin, cached.axis == kHullFaceA ? cached.a : none, best_a);
+  find_best_face(ab, margin, last_face(*a.topology, cached, cached.a), best_a);
   if (!(best_a.separation <= margin)) return report_gap(pair, best_a.separation, manifold);
   const RelativeHulls ba = ab.reversed();
-  find_best_face(ba, margin, cached.axis == kHullFaceB ? cached.b : none, best_b);
+  find_best_face(ba, margin, last_face(*b.topology, cached, cached.b), best_b);
   if (!(best_b.separation <= margin)) return report_gap(pair, best_b.separation, manifold);
   const double best = std::max(best_a.separation, best_b.separation);
   const EdgeAxis edges = best_edges(ab, margin, best, best_a, best_b);
@@ -228,7 +226,7 @@ void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, M
     if (along_face && add_edges_above_face(pair, face.on_a ? ab : ba, face, n, edges.separation, manifold)) return;
     return add_edge_contact(pair, ab, edges, manifold);
   }
-  cache = face.on_a ? cache_of(kHullFaceA, face.face, 0) : cache_of(kHullFaceB, 0, face.face);
+  cache = face.on_a ? cache_of(kHullFaceA, face.face, best_b.face) : cache_of(kHullFaceB, best_a.face, face.face);
   add_face_contact(pair, face.on_a ? ab : ba, face, edges.separation, manifold);
 }
 

@@ -6,6 +6,7 @@
 #include <bit>
 #include <limits>
 
+#include "rt/physics/collision/box_triangle.h"
 #include "rt/physics/collision/collide_mesh.h"
 #include "rt/physics/collision/hull_clip.h"
 #include "rt/physics/collision/hull_pair.h"
@@ -27,33 +28,36 @@ constexpr HullTopology make_triangle_topology() noexcept {
 constexpr HullTopology kTriangleTopology = make_triangle_topology();
 static_assert(kTriangleTopology.edges == 3 && kTriangleTopology.edge[1].from == 1);
 
-// A triangle as a hull. Frame: axes of the mesh, origin at the triangle's centre.
+struct RimTriangle {
+  Vec3d middle;                  // in the mesh's frame
+  std::array<Vec3d, 3> corner;   // axes of the mesh, from the middle
+  std::array<Vec3d, 3> in_hull;  // the corners in the frame of the other hull
+};
+
+// A triangle as a hull. Frame: axes of the mesh, origin at the triangle's middle.
 struct TriangleHull {
   static constexpr int kPadded = kLanes<Register<double>>;
   alignas(32) double x[kPadded], y[kPadded], z[kPadded];
   alignas(32) double nx[kPadded], ny[kPadded], nz[kPadded], offsets[kPadded];  // of two faces
-  Vec3d middle;
   double edge_reach[3];
 
-  TriangleHull(const Mesh& mesh, std::uint32_t triangle) noexcept {
-    const MeshTriangle& t = mesh.triangles[triangle];
-    middle = (mesh.place(t, 0) + mesh.place(t, 1) + mesh.place(t, 2)) * (1.0 / 3.0);
-    for (int i = 0; i < kPadded; ++i) {
-      const Vec3d p = mesh.place(t, i < 3 ? i : 0) - middle;
+  TriangleHull(const RimTriangle& triangle, const Vec3d& normal) noexcept {
+    for (std::uint32_t i = 0; i < kPadded; ++i) {
+      const Vec3d& p = triangle.corner[i < 3 ? i : 0];
       x[i] = p.x;
       y[i] = p.y;
       z[i] = p.z;
     }
+    const auto& c = triangle.corner;
     for (int f = 0; f < kPadded; ++f) {
-      const Vec3d n = f == 1 ? -mesh.normals[triangle] : mesh.normals[triangle];
+      const Vec3d n = f == 1 ? -normal : normal;
       nx[f] = n.x;
       ny[f] = n.y;
       nz[f] = n.z;
-      offsets[f] = larger(larger(dot(n, corner(0)), dot(n, corner(1))), dot(n, corner(2)));
+      offsets[f] = larger(larger(dot(n, c[0]), dot(n, c[1])), dot(n, c[2]));
     }
     for (double& reach : edge_reach) reach = std::numeric_limits<double>::infinity();
   }
-  Vec3d corner(int i) const noexcept { return {x[i], y[i], z[i]}; }
   HullView view() const noexcept {
     return {&kTriangleTopology, x, y, z, nx, ny, nz, offsets, kPadded, kPadded, edge_reach, edge_reach[0], 0.0, 0.0};
   }
@@ -91,10 +95,7 @@ constexpr std::uint32_t corner_between(std::uint32_t j, std::uint32_t k) noexcep
 class HullOnPatch {
  public:
   HullOnPatch(const PatchView& patch, const HullView& hull) noexcept
-      : patch_(patch),
-        hull_(hull),
-        plane_(patch.mesh.patches[patch.mesh.triangles[patch.triangles[0]].patch]),
-        along_(tangents_of(plane_.normal)) {
+      : patch_(patch), hull_(hull), plane_(patch.mesh.patches[patch.mesh.triangles[patch.triangles[0]].patch]) {
     const Axes axes = axes_of(conjugate(patch.pair.world_from_b) * patch.pair.world_from_a);
     column_[0] = axes.x;
     column_[1] = axes.y;
@@ -102,17 +103,17 @@ class HullOnPatch {
   }
 
   // Returns false if no triangle of the patch can be touched.
-  bool is_near() noexcept {
+  bool is_near() const noexcept {
     const double height = dot(plane_.normal, patch_.centre) - plane_.offset;
     const Vec3d down = -to_hull(plane_.normal);
-    if (!(height > 0.0 && height - hull_.reach_along(down) <= patch_.pair.margin)) return false;
-    find_incident_face(down);
-    return true;
+    return height > 0.0 && height - hull_.reach_along(down) <= patch_.pair.margin;
   }
 
   void look_at(std::uint32_t triangle) noexcept {
     const Ruling ruling = patch_.mesh.triangles[triangle].exposed ? judge_rim(triangle) : Ruling::kFace;
-    if (ruling != Ruling::kAllowed) add_face_points(triangle, ruling == Ruling::kDropped);
+    if (ruling == Ruling::kAllowed) return;
+    if (incident_.count == 0) find_incident_face(-to_hull(plane_.normal));
+    add_face_points(triangle, ruling == Ruling::kDropped);
   }
 
   void finish(Manifold& manifold) noexcept {
@@ -160,14 +161,9 @@ class HullOnPatch {
   // Finds the hull's face that points down most, as a polygon above the patch's plane.
   void find_incident_face(const Vec3d& down) noexcept {
     const HullTopology& topology = *hull_.topology;
-    std::uint32_t incident = 0;
-    double most = dot(hull_.normal(0), down);
-    for (std::uint32_t f = 1; f < topology.faces; ++f)
-      if (const double cosine = dot(hull_.normal(f), down); cosine > most) {
-        incident = f;
-        most = cosine;
-      }
-    incident_cosine_ = most;
+    along_ = tangents_of(plane_.normal);
+    const std::uint32_t incident = hull_.face_along(down);
+    incident_cosine_ = dot(hull_.normal(incident), down);
     for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
       const std::uint32_t vertex = topology.loop_vertices[k];
       const Vec3d p = patch_.centre + to_mesh(hull_.vertex(vertex));
@@ -224,42 +220,89 @@ class HullOnPatch {
     return !patch_.mesh.is_inner_edge(t, crossing.side);
   }
 
+  // The separating axes of a triangle and the hull.
+  struct RimAxes {
+    bool apart{true};     // one of them separates by more than the margin; then the others are not known
+    double by_face{};     // m: separation along the triangle's normal
+    BoxFace hull_face{};  // of the hull
+    EdgeAxis edges;       // if better than the faces; in the mesh's frame
+  };
+
+  RimTriangle place(std::uint32_t triangle) const noexcept {
+    const MeshTriangle& t = patch_.mesh.triangles[triangle];
+    RimTriangle out;
+    out.middle = (patch_.mesh.place(t, 0) + patch_.mesh.place(t, 1) + patch_.mesh.place(t, 2)) * (1.0 / 3.0);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const Vec3d& p = patch_.mesh.corners[t.corner[i]];
+      out.corner[i] = p - out.middle;
+      out.in_hull[i] = to_hull(p - patch_.centre);
+    }
+    return out;
+  }
+
+  RimAxes box_axes(const RimTriangle& at, const Vec3d& normal) const noexcept {
+    const double margin = patch_.pair.margin;
+    const BoxTriangle pair{
+        {hull_.offsets[1], hull_.offsets[3], hull_.offsets[5]}, at.in_hull, to_hull(at.middle - patch_.centre)};
+    RimAxes axes;
+    const Vec3d n = to_hull(normal);
+    axes.by_face =
+        -larger(larger(dot(n, at.in_hull[0]), dot(n, at.in_hull[1])), dot(n, at.in_hull[2])) - dot(pair.half, abs(n));
+    if (!(axes.by_face <= margin)) return axes;
+    axes.hull_face = best_box_face(pair);
+    if (!(axes.hull_face.separation <= margin)) return axes;
+    axes.edges = best_box_edges(pair, larger(axes.by_face, axes.hull_face.separation));
+    axes.edges.normal = to_mesh(axes.edges.normal);
+    axes.apart = axes.edges.separation > margin;
+    return axes;
+  }
+
+  RimAxes hull_axes(const RimTriangle& at, const Vec3d& normal) const noexcept {
+    const double margin = patch_.pair.margin;
+    const TriangleHull shape(at, normal);
+    const RelativeHulls ab{shape.view(), hull_, {column_[0], column_[1], column_[2]}, patch_.centre - at.middle};
+    RimAxes axes;
+    FaceSearch of_hull, of_triangle;
+    hold_face(ab, 0, margin, of_triangle);
+    ab.ref.heights(ab.centre, of_triangle.centre);
+    axes.by_face = of_triangle.separation;
+    if (!(axes.by_face <= margin)) return axes;
+    find_best_face(ab.reversed(), margin, kMaxHullFaces, of_hull);
+    axes.hull_face = {of_hull.face, of_hull.separation};
+    if (!(of_hull.separation <= margin)) return axes;
+    axes.edges = best_edges(ab, margin, larger(axes.by_face, of_hull.separation), of_triangle, of_hull);
+    axes.apart = axes.edges.separation > margin;
+    return axes;
+  }
+
   // For a triangle at a rim: kFace if its face makes the contact, kDropped if a neighbour does. kAllowed: its rim does,
   // whose contact has been noted, or nothing, because it is too far.
   Ruling judge_rim(std::uint32_t triangle) noexcept {
-    const double margin = patch_.pair.margin;
-    const TriangleHull shape(patch_.mesh, triangle);
-    const RelativeHulls ab{shape.view(), hull_, {column_[0], column_[1], column_[2]}, patch_.centre - shape.middle};
-    const RelativeHulls ba = ab.reversed();
-    const double by_face = ab.face_separation(0);
-    if (!(by_face <= margin)) return Ruling::kAllowed;
-    FaceSearch hull_face, of_triangle;
-    find_best_face(ba, margin, kMaxHullFaces, hull_face);
-    if (!(hull_face.separation <= margin)) return Ruling::kAllowed;
-    const double so_far = larger(by_face, hull_face.separation);
-    ab.ref.heights(ab.centre, of_triangle.centre);
-    const EdgeAxis edges = best_edges(ab, margin, so_far, of_triangle, hull_face);
-    if (edges.separation > margin) return Ruling::kAllowed;
+    const RimTriangle at = place(triangle);
+    const Vec3d& normal = patch_.mesh.normals[triangle];
+    const RimAxes axes = hull_.topology == &kBoxTopology ? box_axes(at, normal) : hull_axes(at, normal);
+    if (axes.apart) return Ruling::kAllowed;
+    const auto& [face, by_hull_face] = axes.hull_face;
     const auto preferred = [](double separation) noexcept { return separation + axis_preference(separation); };
-    if (edges.found && edges.separation > preferred(so_far)) {
-      const Ruling ruling = rule_edge_axis(patch_.mesh, triangle, edges.edge, edges.normal);
-      if (ruling == Ruling::kAllowed) note_edges(triangle, ab, shape, edges);
+    if (axes.edges.found && axes.edges.separation > preferred(larger(axes.by_face, by_hull_face))) {
+      const Ruling ruling = rule_edge_axis(patch_.mesh, triangle, axes.edges.edge, axes.edges.normal);
+      if (ruling == Ruling::kAllowed) note_edges(triangle, at, axes.edges);
       return ruling;
     }
-    const bool by_hull = hull_face.separation > preferred(by_face), flush = hull_face.separation > -kFlush;
+    const bool by_hull = by_hull_face > preferred(axes.by_face), flush = by_hull_face > -kFlush;
     if (!by_hull && !flush) return Ruling::kFace;
-    const HullPolygon below = clip_below(ba, hull_face.face);
-    const Vec3d up = -to_mesh(hull_.normal(hull_face.face));
-    Ruling ruling = rule_lowest(triangle, shape, below, up);
-    if (flush && ruling != Ruling::kAllowed) ruling = rule_support(triangle, shape, up);  // what it will pass over
-    if (ruling == Ruling::kAllowed) note_hull_face(triangle, below, hull_face.face);
+    const HullPolygon below = clip_below(at, face);
+    const Vec3d up = -to_mesh(hull_.normal(face));
+    Ruling ruling = rule_lowest(triangle, at, below, up);
+    if (flush && ruling != Ruling::kAllowed) ruling = rule_support(triangle, at, up);  // what it will pass over
+    if (ruling == Ruling::kAllowed) note_hull_face(triangle, below, face);
     if (by_hull) return ruling;
     return ruling == Ruling::kFace ? Ruling::kFace : Ruling::kAllowed;  // a neighbour's rim: no point for this face
   }
 
   // Rules on the part of the triangle that is highest along u: a corner, an edge or the whole triangle.
-  Ruling rule_support(std::uint32_t triangle, const TriangleHull& shape, const Vec3d& u) const noexcept {
-    const double height[3] = {dot(u, shape.corner(0)), dot(u, shape.corner(1)), dot(u, shape.corner(2))};
+  Ruling rule_support(std::uint32_t triangle, const RimTriangle& at, const Vec3d& u) const noexcept {
+    const double height[3] = {dot(u, at.corner[0]), dot(u, at.corner[1]), dot(u, at.corner[2])};
     std::uint32_t top = 0;
     for (std::uint32_t i = 1; i < 3; ++i)
       if (height[i] > height[top]) top = i;
@@ -273,13 +316,13 @@ class HullOnPatch {
   }
 
   // The part of the triangle below the hull's face, in the hull's frame; w: the gap between them.
-  HullPolygon clip_below(const RelativeHulls& ba, std::uint32_t face) const noexcept {
+  HullPolygon clip_below(const RimTriangle& at, std::uint32_t face) const noexcept {
     const HullTopology& sides = *hull_.topology;
     const Vec3d n = hull_.normal(face);
     const Tangents<double> along = tangents_of(n);
     HullPolygon polygon;
     for (std::uint32_t i = 0; i < 3; ++i) {
-      const Vec3d p = ba.other_vertex(i);
+      const Vec3d& p = at.in_hull[i];
       polygon.points[polygon.count++] = {
           dot(along.t1, p), dot(along.t2, p), dot(n, p) - hull_.offsets[face], i, i, false};
     }
@@ -297,9 +340,9 @@ class HullOnPatch {
 
   // Rules on what carries the hull's face: the lowest points of `below` are a corner, on an edge, or in the triangle.
   // The triangle's own highest corner may be far from the hull.
-  Ruling rule_lowest(std::uint32_t triangle, const TriangleHull& shape, const HullPolygon& below,
+  Ruling rule_lowest(std::uint32_t triangle, const RimTriangle& at, const HullPolygon& below,
                      const Vec3d& u) const noexcept {
-    if (below.count == 0) return rule_support(triangle, shape, u);
+    if (below.count == 0) return rule_support(triangle, at, u);
     const double level = lowest_of(below) + kFlatTolerance;
     std::uint32_t common = 7, corner = 0;  // common: bit k if all of the lowest are on edge k
     for (std::uint32_t i = 0; i < below.count; ++i) {
@@ -350,26 +393,26 @@ class HullOnPatch {
                                    : kMeshEdgeFeature | crossing.side << 21 | (3 * triangle + crossing.line);
   }
 
-  void note_edges(std::uint32_t triangle, const RelativeHulls& ab, const TriangleHull& shape,
-                  const EdgeAxis& axis) noexcept {
+  void note_edges(std::uint32_t triangle, const RimTriangle& at, const EdgeAxis& axis) noexcept {
     if (rim_kind_ != Rim::kNone && !(axis.separation < rim_lowest_)) return;
-    const HullEdge& b = ab.other.topology->edge[axis.other_edge];
-    const Vec3d a0 = shape.corner(static_cast<int>(axis.edge)), a1 = shape.corner(static_cast<int>(axis.edge + 1) % 3);
-    const Vec3d b0 = ab.other_vertex(b.from), b1 = ab.other_vertex(b.to);
+    const HullEdge& b = hull_.topology->edge[axis.other_edge];
+    const Vec3d &a0 = at.corner[axis.edge], &a1 = at.corner[(axis.edge + 1) % 3];
+    const Vec3d offset = patch_.centre - at.middle;
+    const Vec3d b0 = offset + to_mesh(hull_.vertex(b.from)), b1 = offset + to_mesh(hull_.vertex(b.to));
     const Vec3d half_a = 0.5 * (a1 - a0), half_b = 0.5 * (b1 - b0);
     const Vec3d middle_a = 0.5 * (a0 + a1), middle_b = 0.5 * (b0 + b1);
     const auto [s, t] = closest_on_segments(half_a, half_b, middle_b - middle_a);
     rim_kind_ = Rim::kEdges;
     rim_lowest_ = axis.separation;
     rim_normal_ = axis.normal;
-    rim_point_ = shape.middle + 0.5 * (middle_a + half_a * s + middle_b + half_b * t);
+    rim_point_ = at.middle + 0.5 * (middle_a + half_a * s + middle_b + half_b * t);
     rim_feature_ = kEdgePairFeature | axis.other_edge << 18 | (3 * triangle + axis.edge);
   }
 
   const PatchView& patch_;
   const HullView hull_;
   const MeshPatch& plane_;
-  Tangents<double> along_;  // of the patch's plane
+  Tangents<double> along_;  // of the patch's plane, with incident_
   Vec3d column_[3];         // the hull's axes in the mesh's frame
   HullPolygon incident_, face_points_;
   double incident_cosine_{};  // of the angle between the hull's face and the patch

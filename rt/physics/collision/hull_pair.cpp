@@ -3,6 +3,21 @@
 namespace tactus::physics {
 namespace {
 
+// Calls f for each face whose height is not below `least`, in ascending order.
+template <class F>
+TACTUS_INLINE void for_each_face_above(const FaceHeights& heights, double least, std::uint32_t faces, F f) noexcept {
+  using V = HullView::V;
+  const V lowest(least);
+  for (std::uint32_t block = 0; block < faces; block += kLanes<V>) {
+    V height;
+    load(height, heights.of + block);
+    if (!any(lowest <= height)) continue;
+    const std::uint32_t end = block + kLanes<V> < faces ? block + kLanes<V> : faces;
+    for (std::uint32_t i = block; i < end; ++i)
+      if (!(heights.of[i] < least)) f(i);
+  }
+}
+
 struct EdgeList {
   std::uint32_t count{0};
   std::array<std::uint8_t, kMaxHullEdges> edge;
@@ -16,51 +31,64 @@ struct EdgeList {
 // are tested: the centre with the inscribed sphere, and the vertex that is deepest behind the best face.
 void list_edges(const RelativeHulls& hulls, double at_least, const FaceSearch& search, EdgeList& list) noexcept {
   const HullTopology& topology = *hulls.ref.topology;
-  const Vec3d deepest = hulls.other_vertex(hulls.other.support(hulls.to_other(-hulls.ref.normal(search.face))));
   // The planes of merged faces are outside their vertices by up to the flatness.
   const double slack = hulls.ref.flatness;
   const auto bound = [slack](double d0, double d1, double reach) noexcept {
     const double d = larger(d0, d1) + slack;
     return d > 0.0 ? d * reach : d;
   };
-  // An edge passes the first test only if the centre is high enough above one of its faces, with the largest reach of
-  // all edges. Few faces are, and only their edges are visited, each from its left face if that is high enough.
+  // An edge passes a test only if the point is high enough above one of its faces, with the largest reach of all edges.
+  // Fewest faces are below the deepest vertex; only their edges are visited, each from its left face if that is one of
+  // them.
   const double by_centre = at_least + hulls.other.inner_radius;
-  const double least = (by_centre > 0.0 ? by_centre / hulls.ref.largest_reach : by_centre) - slack;
-  for (std::uint32_t f = 0; f < topology.faces; ++f) {
-    if (search.centre.of[f] < least) continue;
+  const double least = (at_least > 0.0 ? at_least / hulls.ref.largest_reach : at_least) - slack;
+  for_each_face_above(search.deepest, least, topology.faces, [&](std::uint32_t f) noexcept {
     for (std::uint32_t k = topology.loop_start[f]; k < topology.loop_start[f + 1]; ++k) {
       const std::uint8_t e = topology.loop_edges[k];
       const HullEdge& edge = topology.edge[e];
-      if (edge.left != f && !(search.centre.of[edge.left] < least)) continue;
+      if (edge.left != f && !(search.deepest.of[edge.left] < least)) continue;
       const double reach = hulls.ref.edge_reach[e];
       if (bound(search.centre.of[edge.left], search.centre.of[edge.right], reach) < by_centre) continue;
-      if (bound(hulls.ref.height(edge.left, deepest), hulls.ref.height(edge.right, deepest), reach) < at_least)
-        continue;
+      if (bound(search.deepest.of[edge.left], search.deepest.of[edge.right], reach) < at_least) continue;
       list.edge[list.count++] = e;
     }
-  }
+  });
 }
 
-// An edge of the other hull in the frame of ref, with the normals of its faces. An array of plain numbers, because
-// clearing a list of them before it is filled cost more than all the rest.
-struct OtherEdge {
-  double number[9];
+// Edges of the other hull in the frame of ref, with the normals of their faces: a number in each row, so that several
+// edges are tested at once. Plain numbers, because clearing a list of vectors before it is filled cost more than all
+// the rest.
+struct OtherEdges {
+  using V = HullView::V;
+  static constexpr std::uint32_t kPadded = (kMaxHullEdges + kLanes<V> - 1) / kLanes<V> * kLanes<V>;
+  enum Row { kAlong, kLeft, kRight };
+  alignas(32) double number[9][kPadded];
 
-  void set(const Vec3d& along, const Vec3d& left, const Vec3d& right) noexcept {
-    const Vec3d v[3] = {along, left, right};
-    for (int i = 0; i < 9; ++i) number[i] = v[i / 3][i % 3];
+  void set(std::uint32_t i, Row row, const Vec3d& v) noexcept {
+    for (int k = 0; k < 3; ++k) number[3 * row + k][i] = v[k];
   }
-  Vec3d along() const noexcept { return {number[0], number[1], number[2]}; }
-  Vec3d left() const noexcept { return {number[3], number[4], number[5]}; }
-  Vec3d right() const noexcept { return {number[6], number[7], number[8]}; }
+  TACTUS_INLINE V dots(Row row, std::uint32_t i, const Vec3d& v) const noexcept {
+    V x, y, z;
+    load(x, number[3 * row] + i);
+    load(y, number[3 * row + 1] + i);
+    load(z, number[3 * row + 2] + i);
+    return x * V(v.x) + y * V(v.y) + z * V(v.z);
+  }
 };
 
 }  // namespace
 
+void hold_face(const RelativeHulls& hulls, std::uint32_t face, double margin, FaceSearch& search) noexcept {
+  const Vec3d n = hulls.ref.normal(face), down = hulls.to_other(-n);
+  const std::uint32_t deepest = hulls.other.support(down);
+  search.face = face;
+  search.separation = dot(n, hulls.centre) - dot(down, hulls.other.vertex(deepest)) - hulls.ref.offsets[face];
+  if (search.separation <= margin) hulls.ref.heights(hulls.other_vertex(deepest), search.deepest);
+}
+
 void find_best_face(const RelativeHulls& hulls, double margin, std::uint32_t first, FaceSearch& search) noexcept {
-  // The inscribed sphere of the other hull bounds each separation from above; the face with the largest bound is tested
-  // first.
+  // Two points bound each separation from above: the centre of the other hull, with its inscribed sphere, and the
+  // vertex that is deepest behind the first face. The face with the largest bound by the first is tested first.
   const std::uint32_t faces = hulls.ref.topology->faces;
   const double inner_radius = hulls.other.inner_radius;
   hulls.ref.heights(hulls.centre, search.centre);
@@ -70,17 +98,28 @@ void find_best_face(const RelativeHulls& hulls, double margin, std::uint32_t fir
     for (std::uint32_t f = 1; f < faces; ++f)
       if (search.centre.of[f] > search.centre.of[start]) start = f;
   }
-  search.face = start;
-  search.separation = hulls.face_separation(start);
-  for (std::uint32_t f = 0; f < faces; ++f) {
+  hold_face(hulls, start, margin, search);
+  constexpr double rounding = kNoDirection;  // m: of the second bound
+  using V = HullView::V;
+  std::uint32_t best = start;
+  for (std::uint32_t block = 0; block < faces; block += kLanes<V>) {
     if (!(search.separation <= margin)) return;  // also if a pose is not finite
-    if (f == start || search.centre.of[f] - inner_radius < search.separation) continue;
-    const double separation = hulls.face_separation(f);
-    if (separation > search.separation) {
-      search.face = f;
+    V centre, deepest;
+    load(centre, search.centre.of + block);
+    load(deepest, search.deepest.of + block);
+    const V least(search.separation);
+    if (!any(both(least <= centre - V(inner_radius), least - V(rounding) <= deepest))) continue;
+    const std::uint32_t end = block + kLanes<V> < faces ? block + kLanes<V> : faces;
+    for (std::uint32_t f = block; f < end && search.separation <= margin; ++f) {
+      if (f == start || search.centre.of[f] - inner_radius < search.separation) continue;
+      if (search.deepest.of[f] < search.separation - rounding) continue;
+      const double separation = hulls.face_separation(f);
+      if (!(separation > search.separation)) continue;
+      best = f;
       search.separation = separation;
     }
   }
+  if (best != start) hold_face(hulls, best, margin, search);
 }
 
 EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t e, std::uint32_t other_e) noexcept {
@@ -107,25 +146,35 @@ EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, 
   list_edges(hulls, at_least, of_ref, mine);
   if (mine.count == 0) return best;
   list_edges(hulls.reversed(), at_least, of_other, others);
-  std::array<OtherEdge, kMaxHullEdges> other;
+  OtherEdges other;
+  constexpr std::uint32_t lanes = kLanes<OtherEdges::V>;
   for (std::uint32_t j = 0; j < others.count; ++j) {
     const HullEdge& edge = hulls.other.topology->edge[others.edge[j]];
-    other[j].set(hulls.to_ref(hulls.other.vertex(edge.to) - hulls.other.vertex(edge.from)),
-                 hulls.to_ref(hulls.other.normal(edge.left)), hulls.to_ref(hulls.other.normal(edge.right)));
+    other.set(j, OtherEdges::kAlong, hulls.to_ref(hulls.other.vertex(edge.to) - hulls.other.vertex(edge.from)));
+    other.set(j, OtherEdges::kLeft, hulls.to_ref(hulls.other.normal(edge.left)));
+    other.set(j, OtherEdges::kRight, hulls.to_ref(hulls.other.normal(edge.right)));
   }
+  for (std::uint32_t j = others.count; j % lanes != 0; ++j)
+    for (auto& row : other.number) row[j] = 0.0;
+  const OtherEdges::V zero(0.0);
   for (std::uint32_t i = 0; i < mine.count; ++i) {
     const HullEdge& edge = hulls.ref.topology->edge[mine.edge[i]];
     const Vec3d along = hulls.ref.vertex(edge.to) - hulls.ref.vertex(edge.from);
     const Vec3d left = hulls.ref.normal(edge.left), right = hulls.ref.normal(edge.right);
-    for (std::uint32_t j = 0; j < others.count; ++j) {
-      const double other_left = dot(other[j].left(), along), other_right = dot(other[j].right(), along);
-      if (!(other_left * other_right < 0.0)) continue;
-      const double my_left = dot(left, other[j].along()), my_right = dot(right, other[j].along());
-      if (!(my_left * my_right < 0.0 && other_left * my_right < 0.0)) continue;
-      const EdgeAxis axis = edge_axis(hulls, mine.edge[i], others.edge[j]);
-      if (!axis.found || !(axis.separation > best.separation)) continue;
-      best = axis;
-      if (best.separation > margin) return best;
+    for (std::uint32_t j = 0; j < others.count; j += lanes) {
+      const auto other_left = other.dots(OtherEdges::kLeft, j, along),
+                 other_right = other.dots(OtherEdges::kRight, j, along);
+      const auto my_left = other.dots(OtherEdges::kAlong, j, left), my_right = other.dots(OtherEdges::kAlong, j, right);
+      const auto cross =
+          both(both(other_left * other_right < zero, my_left * my_right < zero), other_left * my_right < zero);
+      if (!any(cross)) continue;
+      for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+        if (cross[lane] == 0) continue;
+        const EdgeAxis axis = edge_axis(hulls, mine.edge[i], others.edge[j + lane]);
+        if (!axis.found || !(axis.separation > best.separation)) continue;
+        best = axis;
+        if (best.separation > margin) return best;
+      }
     }
   }
   return best;

@@ -48,8 +48,11 @@ inline RelativeHulls relative_hulls(const PairView& pair, const HullView& a, con
 struct FaceSearch {
   std::uint32_t face{0};  // with the largest separation
   double separation{};
-  FaceHeights centre;  // of the other hull's centre above the faces
+  FaceHeights centre;   // of the other hull's centre above the faces
+  FaceHeights deepest;  // of the other hull's vertex that is deepest behind the face; only if that is within the margin
 };
+// Fills all but `centre` for a face that is given.
+void hold_face(const RelativeHulls& hulls, std::uint32_t face, double margin, FaceSearch& search) noexcept;
 // Finds the face of ref with the largest separation (`first` on a tie, or the face where the search starts), or the
 // first one found whose separation exceeds the margin. `first`: the face to test first, or any number >= faces.
 void find_best_face(const RelativeHulls& hulls, double margin, std::uint32_t first, FaceSearch& search) noexcept;

@@ -35,9 +35,13 @@ class MeshReach {
         axes_(axes_of(body.pose.rotation)),
         centre_(body.pose.position),
         bound_(bound),
-        hull_(body.shape.kind == ShapeKind::kHull ? &hulls[body.shape.index] : nullptr),
-        margin_(patch_margin(closing_of(bound, {}, settings), settings)) {
+        hull_(body.shape.kind == ShapeKind::kHull ? &hulls[body.shape.index] : nullptr) {
     bound_.advance = rotate_inverse(world_from_mesh, bound.advance);
+    for (int i = 0; i < 3 && has_faces(); ++i) {
+      const Vec3d& axis = i == 0 ? axes_.x : i == 1 ? axes_.y : axes_.z;
+      lowest_[i] = -body.shape.half_extents[i] - patch_margin(closing_along(-axis, bound_, {}, settings), settings);
+      highest_[i] = body.shape.half_extents[i] + patch_margin(closing_along(axis, bound_, {}, settings), settings);
+    }
   }
 
   bool reaches(std::uint32_t triangle) const noexcept {
@@ -73,13 +77,14 @@ class MeshReach {
     }
   }
 
-  // False if the triangle is on the outer side of a face of the box that holds the body.
+  // False if the triangle is on the outer side of a face of the box that holds the body, beyond what the body may close
+  // towards that side.
   bool reaches_across_faces(const MeshTriangle& t) const noexcept {
     const Vec3d a = to_body(mesh_.place(t, 0) - centre_), b = to_body(mesh_.place(t, 1) - centre_),
                 c = to_body(mesh_.place(t, 2) - centre_);
     for (int i = 0; i < 3; ++i) {
-      const double half = shape_.half_extents[i] + margin_;
-      if (smaller(a[i], smaller(b[i], c[i])) > half || larger(a[i], larger(b[i], c[i])) < -half) return false;
+      if (smaller(a[i], smaller(b[i], c[i])) > highest_[i] || larger(a[i], larger(b[i], c[i])) < lowest_[i])
+        return false;
     }
     return true;
   }
@@ -91,7 +96,7 @@ class MeshReach {
   Vec3d centre_;
   MotionBound bound_;  // of the body; its advance in the mesh's frame
   const Hull* hull_;
-  double margin_;  // in any direction
+  Vec3d lowest_, highest_;  // m, along the body's axes: where it can touch a triangle in this step
 };
 
 }  // namespace tactus::physics

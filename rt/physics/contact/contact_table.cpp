@@ -44,6 +44,8 @@ double separation_of(const Contact& contact) noexcept {
   return least;
 }
 
+constexpr MotionBound kStill{};  // of a fixed body
+
 // Number of pairs visited at a time: enough to share their searches, few enough to stay in the cache.
 constexpr std::uint32_t kStretch = 256;
 // A search takes about 1 us, and so does handing it to another thread.
@@ -148,7 +150,7 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   Pair& pair = pairs_[index];
   const bool with_fixed = pair.key.with_fixed();
   const MotionBound& a = walk.scene.motion_bounds[pair.a];
-  const MotionBound b = with_fixed ? MotionBound{} : walk.scene.motion_bounds[pair.b];
+  const MotionBound& b = with_fixed ? kStill : walk.scene.motion_bounds[pair.b];
   const double margin = margin_for(pair.patch.count > 0, closing_of(a, b, walk.settings), walk.settings);
 
   while (walk.last_pair < last_pairs_.size() && last_pairs_[walk.last_pair].key < pair.key) ++walk.last_pair;
@@ -195,7 +197,8 @@ struct ContactTable::Sides {
   const Shape &shape_a, &shape_b;  // of the parts
 };
 
-ContactTable::Sides ContactTable::sides_of(const Scene& scene, const Pair& pair) const noexcept {
+[[gnu::always_inline]] inline ContactTable::Sides ContactTable::sides_of(const Scene& scene,
+                                                                         const Pair& pair) const noexcept {
   const Body& a = scene.bodies[pair.a];
   const Body& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
   const std::uint32_t part_a = pair.key.part_of(a.id), part_b = pair.key.part_of(b.id);  // of a patch: 0
@@ -205,9 +208,9 @@ ContactTable::Sides ContactTable::sides_of(const Scene& scene, const Pair& pair)
 
 std::uint32_t ContactTable::comparisons_in(const Scene& scene, const Search& search) const noexcept {
   const Pair& pair = pairs_[search.pair];
+  if (pair.patch.count > 0) return 1 + pair.patch.count / kTrianglesPerComparison;
   const Sides sides = sides_of(scene, pair);
   const Shape &a = sides.shape_a, &b = sides.shape_b;
-  if (b.kind == ShapeKind::kMesh) return 1 + pair.patch.count / kTrianglesPerComparison;
   const auto vertices = [&](const Shape& shape) {
     return shape.kind == ShapeKind::kHull ? scene.shapes.hulls[shape.index].topology.vertices : 0;
   };
@@ -276,8 +279,7 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   Pair& pair = pairs_[visit.pair];
   const bool with_fixed = pair.key.with_fixed();
   // The search was for what the bodies may close in any direction; now the direction is known.
-  const MotionBound still{};
-  const MotionBound& bound_b = with_fixed ? still : walk.scene.motion_bounds[pair.b];
+  const MotionBound& bound_b = with_fixed ? kStill : walk.scene.motion_bounds[pair.b];
   const double closing = closing_along(manifold.normal, walk.scene.motion_bounds[pair.a], bound_b, walk.settings);
   const double margin = std::min(search.query.margin, margin_for(pair.patch.count > 0, closing, walk.settings));
   drop_points_beyond(margin, manifold);
@@ -346,7 +348,7 @@ void ContactTable::start_impulses(const Walk& walk, const Contact* last, const W
     return;
   }
   // The normal has rotated since: projects the old friction vector on the new tangents.
-  const Tangents<double> then = tangents_of(last->normal);
+  const Tangents<double> then = last->normal == contact.normal ? now : tangents_of(last->normal);
   const bool same_kind = is_of_face(last->points[0].feature) == is_of_face(contact.points[0].feature);
   for (std::uint32_t j = 0; j < last->count; ++j) {
     const ContactPoint& before = last->points[j];

@@ -54,25 +54,14 @@ struct HullView {
     return reach;
   }
 
-  // Index of the first vertex with the largest d.v; 0 if that is NaN.
+  // Index of the first vertex with the largest d.v, of the first face with the largest d.n; 0 if that is NaN.
   std::uint32_t support(const Vec3d& d) const noexcept {
-    constexpr int lanes = kLanes<V>;
-    const Vec3<V> direction = spread(d);
-    V best = along(direction, 0), block(0.0);  // block: of the lane's best vertex; the vertex is block + lane
-    for (std::uint32_t i = lanes; i < padded; i += lanes) {
-      const V reach = along(direction, i);
-      block = select(reach > best, V(static_cast<double>(i)), block);
-      best = larger(best, reach);
-    }
-    std::uint32_t first = static_cast<std::uint32_t>(block[0]);
-    double reach = best[0];
-    for (int lane = 1; lane < lanes; ++lane) {
-      const std::uint32_t vertex = static_cast<std::uint32_t>(block[lane]) + static_cast<std::uint32_t>(lane);
-      if (!(best[lane] > reach) && !(best[lane] == reach && vertex < first)) continue;
-      reach = best[lane];
-      first = vertex;
-    }
-    return first < topology->vertices ? first : 0;  // the padding repeats vertex 0
+    return first_largest(
+        padded, topology->vertices, [&](const Vec3<V>& v, std::uint32_t i) { return along(v, i); }, d);
+  }
+  std::uint32_t face_along(const Vec3d& d) const noexcept {
+    return first_largest(
+        padded_faces, topology->faces, [&](const Vec3<V>& v, std::uint32_t i) { return over_faces(v, i); }, d);
   }
 
  private:
@@ -82,6 +71,28 @@ struct HullView {
     load(vy, ys);
     load(vz, zs);
     return d.x * vx + d.y * vy + d.z * vz;
+  }
+  // The padding repeats number 0.
+  template <class Dots>
+  TACTUS_INLINE static std::uint32_t first_largest(std::uint32_t padded_count, std::uint32_t count, Dots dots_from,
+                                                   const Vec3d& d) noexcept {
+    constexpr int lanes = kLanes<V>;
+    const Vec3<V> direction = spread(d);
+    V best = dots_from(direction, 0), block(0.0);  // block: of the lane's best; its index is block + lane
+    for (std::uint32_t i = lanes; i < padded_count; i += lanes) {
+      const V reach = dots_from(direction, i);
+      block = select(reach > best, V(static_cast<double>(i)), block);
+      best = larger(best, reach);
+    }
+    std::uint32_t first = static_cast<std::uint32_t>(block[0]);
+    double reach = best[0];
+    for (int lane = 1; lane < lanes; ++lane) {
+      const std::uint32_t index = static_cast<std::uint32_t>(block[lane]) + static_cast<std::uint32_t>(lane);
+      if (!(best[lane] > reach) && !(best[lane] == reach && index < first)) continue;
+      reach = best[lane];
+      first = index;
+    }
+    return first < count ? first : 0;
   }
 };
 

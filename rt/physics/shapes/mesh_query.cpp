@@ -55,12 +55,34 @@ class Nearest {
   std::array<Entry, kMaxBodyTriangles> entries_;
 };
 
+// Finds all of them; false if they are too many, or too far apart in the tree.
+bool find_all(const Mesh& mesh, const Aabb& box, TriangleList& found) noexcept {
+  std::array<std::uint32_t, kMaxMeshDepth> stack;
+  std::uint32_t waiting = 0, visits = 0;
+  stack[waiting++] = 0;
+  while (waiting > 0) {
+    const std::uint32_t at = stack[--waiting];
+    const MeshNode& node = mesh.nodes[at];
+    if (!node.box.overlaps(box)) continue;
+    if (visits++ >= kMaxMeshVisits || waiting + 2 > kMaxMeshDepth) return false;
+    if (node.second != 0) {
+      stack[waiting++] = node.second;
+      stack[waiting++] = at + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+      if (mesh.box_of(mesh.order[i]).overlaps(box) && !found.triangles.try_push(mesh.order[i])) return false;
+  }
+  std::sort(found.triangles.begin(), found.triangles.end());
+  return true;
+}
+
 }  // namespace
 
 void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noexcept {
   found.triangles.clear();
   found.left_out = 0;
-  if (mesh.nodes.empty()) return;
+  if (mesh.nodes.empty() || find_all(mesh, box, found)) return;
   const Vec3d middle = 0.5 * (box.lower + box.upper);
   Nearest nearest;
   std::array<std::uint32_t, kMaxMeshDepth> stack;
