@@ -194,7 +194,7 @@ class EveryScene(InPage):
                 self.assertGreater(wait_for(self.colours, "colours"), 5)
                 self.assertEqual(self.logged(), [])
                 run.end()
-        self.assertEqual(kinds, {"sphere", "capsule", "box", "plane", "mesh", "compound", "cylinder"})
+        self.assertEqual(kinds, {"sphere", "capsule", "box", "plane", "mesh", "compound"})
 
     def colours(self):
         """Of the picture, in the frame in which it is drawn: WebGL forgets it afterwards."""
