@@ -114,8 +114,25 @@ GpioLines::~GpioLines() {
 
 bool GpioLines::read_estop_level() noexcept {
   const int value = gpiod_line_get_value(line_of(estop_));
-  if (value < 0) ++counters_.read_failed;
+  if (value < 0) count_failed_read();
   return value != 0;
+}
+
+bool GpioLines::estop_level() noexcept { return estop_ != nullptr && read_estop_level(); }
+
+bool GpioLines::estop_edge() noexcept {
+  if (estop_ == nullptr) return false;
+  std::array<gpiod_line_event, kQueuedEdges> edges;
+  const int count = gpiod_line_event_read_multiple(line_of(estop_), edges.data(), kQueuedEdges);
+  if (count < 0) {
+    if (errno == EAGAIN) return false;
+    count_failed_read();
+    return true;
+  }
+  edges_.fetch_add(static_cast<unsigned>(count), std::memory_order_relaxed);
+  return std::any_of(edges.begin(), edges.begin() + count, [](const gpiod_line_event& edge) {
+    return edge.event_type == GPIOD_LINE_EVENT_RISING_EDGE;  // of the logical level
+  });
 }
 
 bool GpioLines::estop() noexcept {
@@ -124,7 +141,7 @@ bool GpioLines::estop() noexcept {
   const int count = gpiod_line_event_read_multiple(line_of(estop_), edges.data(), kQueuedEdges);
   if (count < 0) {
     if (errno == EAGAIN) return estop_active_;
-    ++counters_.read_failed;
+    count_failed_read();
     return true;
   }
   bool was_active = estop_active_;
@@ -132,7 +149,7 @@ bool GpioLines::estop() noexcept {
     estop_active_ = edges[i].event_type == GPIOD_LINE_EVENT_RISING_EDGE;  // of the logical level
     was_active = was_active || estop_active_;
   }
-  counters_.estop_edges += static_cast<unsigned>(count);
+  edges_.fetch_add(static_cast<unsigned>(count), std::memory_order_relaxed);
   // A full queue may have lost the newest edges: read the present level.
   if (static_cast<unsigned>(count) == kQueuedEdges) estop_active_ = read_estop_level();
   return was_active || estop_active_;
@@ -141,7 +158,7 @@ bool GpioLines::estop() noexcept {
 void GpioLines::set(Output& output, bool active) noexcept {
   if (output.line == nullptr || output.active == active) return;
   if (gpiod_line_set_value(line_of(output.line), active ? 1 : 0) != 0) {
-    ++counters_.write_failed;
+    ++write_failed_;
     return;
   }
   output.active = active;

@@ -11,6 +11,7 @@
 // drive-enable a resistor to its inactive level.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -38,11 +39,17 @@ class GpioLines {
 
   // True if the e-stop is active now or was active since the last call, however briefly.
   bool estop() noexcept;
+  // In place of estop(), where several threads read it (hand_lines.h): each by any of them at any time.
+  bool estop_edge() noexcept;   // it became active since the last call of any thread; or it cannot be read
+  bool estop_level() noexcept;  // it is active now, or cannot be read
   void enable(bool on) noexcept;
   void probe(bool active) noexcept;
   void heartbeat() noexcept;  // toggles the line
 
-  const GpioCounters& counters() const noexcept { return counters_; }
+  GpioCounters counters() const noexcept {
+    constexpr auto relaxed = std::memory_order_relaxed;
+    return {edges_.load(relaxed), read_failed_.load(relaxed), write_failed_};
+  }
 
  private:
   struct Output {
@@ -55,6 +62,7 @@ class GpioLines {
   Status request_estop(const GpioLine& line);
   Status request_output(const GpioLine& line, const char* purpose, Output& output);
   bool read_estop_level() noexcept;
+  void count_failed_read() noexcept { read_failed_.fetch_add(1, std::memory_order_relaxed); }
   void set(Output& output, bool active) noexcept;
 
   void* chip_{nullptr};
@@ -62,7 +70,8 @@ class GpioLines {
   void* estop_{nullptr};
   bool estop_active_{false};
   Output enable_, probe_, heartbeat_;
-  GpioCounters counters_;
+  std::atomic<std::uint64_t> edges_{0}, read_failed_{0};
+  std::uint64_t write_failed_{0};
 };
 
 }  // namespace tactus::hal

@@ -1,5 +1,7 @@
 // tactus run of a scene with several hands, from the command line.
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/run_command.h"
@@ -53,9 +55,6 @@ TEST_CASE("several hands: what is of one hand alone is refused in one line") {
     CHECK_THAT(output.out, Contains("accepted: "));
     return output.out;
   };
-  CHECK_THAT(refused("--view --virtual-time"), Contains("--view: several hands are watched in real time"));
-  CHECK_THAT(refused("--control /tmp/x --virtual-time"), Contains("--control: several hands"));
-  CHECK_THAT(refused("--hand pointer --virtual-time"), Contains("--hand pointer: several hands"));
   CHECK_THAT(refused("--virtual-time --figures force_z_N:rms"), Contains("--figures: is of one hand"));
   CHECK_THAT(refused("--virtual-time --device sim --device sim --device sim"), Contains("--device: 3 for 2 hands"));
   CHECK_THAT(refused("--virtual-time --device sim --device sim", TACTUS_SOURCE_DIR "/sim/scenes/wall.toml"),
@@ -86,8 +85,63 @@ TEST_CASE("several hands: a tape each, that tactus replay takes") {
   (void)std::remove(second.c_str());
 }
 
-TEST_CASE("several hands: scene check looks at each") {
+TEST_CASE("several hands: scene check looks at each, and shows the stiffness that the run has") {
   const auto output = run_command(std::string(TACTUS_PROGRAM) + " scene check " + kScene + " 2>&1");
   INFO(output.out);
   CHECK(output.exit_code == 0);
+  CHECK_THAT(output.out,
+             Contains("hands, as tactus run has them\n") && Contains("N/m and 2 N m/rad at ratio 5, as in"));
+
+  const TemporaryFile slow;
+  std::ifstream file(kScene);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  text.replace(text.find("ratio = 5 "), 10, "ratio = 20");
+  std::ofstream(slow.path()) << text;
+  const auto checked = run_command(std::string(TACTUS_PROGRAM) + " scene check " + slow.path() + " 2>&1");
+  const auto json = run_command(std::string(TACTUS_PROGRAM) + " scene check --json " + slow.path() + " 2>/dev/null");
+  const auto run = tactus_run("--virtual-time --duration 0.01", slow.path());
+  const std::string lowered = run.out.substr(run.out.find("hand 1: ") + 8);
+  CHECK_THAT(checked.out, Contains(lowered.substr(0, lowered.find('\n'))));
+  const auto hands = nlohmann::json::parse(json.out)["report"]["hands"];
+  REQUIRE(hands.size() == 2);
+  CHECK(hands[1]["number"] == 2);
+  CHECK(hands[1]["lowered"] == true);
+  CHECK(hands[1]["asked_stiffness_N_per_m"] == 900);
+  CHECK(hands[1]["stiffness_N_per_m"] < 900);
+}
+
+TEST_CASE("several hands: a configuration names their devices, and the run is logged by hand") {
+  const TemporaryFile config;
+  std::ofstream(config.path()) << "scene = \"" << kScene
+                               << "\"\n[[device]]\nname = \"sim\"\n[[device]]\nname = \"sim\"\n"
+                                  "[cores]\npriority = 0\n[control]\narm_at_start = true\n";
+  const auto checked = run_command(std::string(TACTUS_PROGRAM) + " config check " + config.path() + " 2>&1");
+  CHECK(checked.exit_code == 0);
+  CHECK_THAT(checked.out, Contains("good; Two hands push a block to and fro on sim, sim at 1000 Hz"));
+  // Told to stop it has done its work, whatever its hands came to.
+  const auto output = run_command("timeout --preserve-status --signal TERM 3 " + std::string(TACTUS_PROGRAM) +
+                                  " run --config " + config.path() + " --inject '' --inject estop@200 2>&1");
+  INFO(output.out);
+  CHECK(output.exit_code == 0);
+  CHECK_THAT(output.out, Contains("running hand=1 ") && Contains("running hand=2 "));
+  CHECK_THAT(output.out, Contains("hand 2 of 2") && Contains("fault hand=2 ") && !Contains("fault hand=1 "));
+  CHECK_THAT(output.out, !Contains("FAULT at"));  // the log has it, and no status line
+
+  std::ofstream(config.path()) << "scene = \"" << TACTUS_SOURCE_DIR
+                               << "/sim/scenes/wall.toml\"\n[[device]]\n[[device]]\n";
+  const auto wrong = run_command(std::string(TACTUS_PROGRAM) + " config check " + config.path() + " 2>&1");
+  CHECK(wrong.exit_code == 2);
+  CHECK_THAT(wrong.out, Contains("[[device]]: 2 for 1 hands of the scene"));
+}
+
+TEST_CASE("several hands: watched virtual time has the bits of unwatched") {
+  const TemporaryFile socket;
+  const auto hashes = [](const std::string& options) {
+    const auto output = run_command(std::string(TACTUS_PROGRAM) + " run " + kScene +
+                                    " --virtual-time --duration 0.7 --json " + options + " 2>/dev/null");
+    const auto object = nlohmann::json::parse(output.out);
+    return std::make_pair(object["hands"][0]["state_hash"].get<std::string>(),
+                          object["hands"][1]["state_hash"].get<std::string>());
+  };
+  CHECK(hashes("") == hashes("--control " + socket.path() + ".sock"));
 }

@@ -16,6 +16,8 @@ physics::Shape shape_of(const DraftPart& part) {
       return physics::Shape::sphere(part.size.x);
     case DraftShape::kCapsule:
       return physics::Shape::capsule(part.size.x, part.size.y);
+    case DraftShape::kCylinder:
+      return physics::Shape::cylinder(part.size.x, part.size.y);
     default:
       return physics::Shape::box(part.size);
   }
@@ -36,8 +38,8 @@ bool is_diagonal(const SymMat3d& m) {
   return std::abs(m.xy) <= room && std::abs(m.xz) <= room && std::abs(m.yz) <= room;
 }
 
-// A sphere, a capsule or a box with its centre of mass in the middle and principal axes along its own: true, and its
-// moments are there where they are not those of the solid.
+// A sphere, a capsule, a cylinder or a box with its centre of mass in the middle and principal axes along its own:
+// true, and its moments are there where they are not those of the solid.
 bool set_central(const MassProperties& own, DraftBody& body) {
   const physics::Shape shape = shape_of(body.parts[0]);
   if (norm(own.centre) > kSame * physics::bounding_radius(shape) || !is_diagonal(own.inertia)) return false;

@@ -1,9 +1,9 @@
 // The frame of a draft's body, and its mass properties: whole and exact, whatever shapes it has.
 //
-// A sphere, a capsule or a box of a scene has its centre of mass in its middle and its principal axes along its own; a
-// hull has its centre inside. A body that has other mass properties is a compound of one part: its surface stays.
-// Units: SI. Frame: as each function says. Thread: any normal one. Bound: linear in the parts; a hull's faces. Errors:
-// none.
+// A sphere, a capsule, a cylinder or a box of a scene has its centre of mass in its middle and its principal axes along
+// its own; a hull has its centre inside. A body that has other mass properties is a compound of one part: its surface
+// stays. Units: SI. Frame: as each function says. Thread: any normal one. Bound: linear in the parts; a hull's faces.
+// Errors: none.
 #pragma once
 
 #include "tools/import/scene_draft.h"

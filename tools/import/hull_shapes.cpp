@@ -11,7 +11,6 @@ namespace tactus::scene_import {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kSides = 32;                 // of a prism: two rings are kMaxHullVertices
 constexpr int kDirections = 20'000;        // in which two convex surfaces are compared
 constexpr double kSameSurface_m = 1e-9;    // deviations below are rounding
 constexpr double kThinEnoughShare = 1e-6;  // of the size: points closer to the hull than this lie on it
@@ -155,17 +154,6 @@ double extent_of(std::span<const Vec3d> points) {
   double extent = 0;
   for (const Vec3d& p : points) extent = std::max(extent, norm(p - points.front()));
   return extent;
-}
-
-HullPoints cylinder_hull(double radius, double half_length) {
-  const double step = 2 * kPi / kSides;
-  const double outer = radius * std::sqrt(step / std::sin(step));  // the same area
-  HullPoints out;
-  for (int i = 0; i < kSides; ++i)
-    for (const double z : {-half_length, half_length})
-      out.points.push_back({outer * std::cos(step * i), outer * std::sin(step * i), z});
-  out.deviation_m = std::max(outer - radius, radius - outer * std::cos(step / 2));
-  return out;
 }
 
 HullPoints ellipsoid_hull(const Vec3d& half_axes) {

@@ -17,8 +17,6 @@ struct HullPoints {
   double deviation_m{0};      // the largest distance of a point of one surface to the other; 0: the same surface
 };
 
-// A prism of 32 sides with the cylinder's volume, about z.
-HullPoints cylinder_hull(double radius, double half_length);
 // 62 points along the symmetry axes of an icosahedron, so that all three planes of symmetry stay; half as much of the
 // deviation outside of the surface as inside.
 HullPoints ellipsoid_hull(const Vec3d& half_axes);

@@ -10,6 +10,7 @@ constexpr double kConcave_m = 1e-4;  // a gap that counts
 DraftPart hull_part(DraftPart part, std::vector<Vec3d> points) {
   part.shape = DraftShape::kHull;
   part.points = std::move(points);
+  part.rounding = kSingleRounding;
   return part;
 }
 

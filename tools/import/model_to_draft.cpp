@@ -22,6 +22,10 @@ std::string label(const Place& place, const char* what, std::size_t number) {
   return place.name.empty() ? fmt::format("{} {}", what, number) : fmt::format("{} \"{}\"", what, place.name);
 }
 
+std::string with_line(const std::string& text, const Place& place) {
+  return place.line > 0 ? fmt::format("{}, line {}", text, place.line) : text;
+}
+
 // Sliding, torsional [m], rolling [m]: what the dimension of the geom's contacts has.
 Vec3d friction_of(const ModelGeom& geom) {
   return {geom.condim == 1 ? 0 : geom.friction.x, geom.condim >= 4 ? geom.friction.y : 0,
@@ -77,7 +81,7 @@ class Translator {
     const ModelGeom& geom = model_.geoms[g];
     DraftPart part;
     part.pose = geom.pose;
-    part.origin = fmt::format("{}{}", geom_label(g), geom.line > 0 ? fmt::format(", line {}", geom.line) : "");
+    part.origin = with_line(geom_label(g), geom);
     if (geom.type == "sphere") {
       part.shape = DraftShape::kSphere;
       part.size = {geom.size.x, 0, 0};
@@ -88,9 +92,14 @@ class Translator {
       part.shape = DraftShape::kBox;
       part.size = geom.size;
     } else if (geom.type == "cylinder") {
-      set_hull(cylinder_hull(geom.size.x, geom.size.y), geom, g, "a prism of 32 sides", part);
+      part.shape = DraftShape::kCylinder;
+      part.size = {geom.size.x, geom.size.y, 0};
     } else if (geom.type == "ellipsoid") {
-      set_hull(ellipsoid_hull(geom.size), geom, g, "a hull of 62 vertices", part);
+      HullPoints hull = ellipsoid_hull(geom.size);
+      account_.change(fmt::format("{}: the ellipsoid is a hull of 62 vertices, at most {:.3g} mm from its surface",
+                                  geom_label(g), 1e3 * hull.deviation_m));
+      part.shape = DraftShape::kHull;
+      part.points = std::move(hull.points);
     } else if (geom.type == "plane" && fixed) {
       part.shape = DraftShape::kPlane;
     } else if (geom.type == "mesh") {
@@ -129,13 +138,10 @@ class Translator {
     // There: the largest torque over N, a length. Here: that of a disk, 2/3 mu R.
     if (body.friction > 0) body.contact_radius_m = 1.5 * most.y / body.friction;
     body.rolling_friction_m = most.z;
-  }
-
-  void set_hull(HullPoints hull, const ModelGeom& geom, std::size_t g, const char* what, DraftPart& part) {
-    part.shape = DraftShape::kHull;
-    part.points = std::move(hull.points);
-    account_.change(fmt::format("{}: the {} is {}, at most {:.3g} mm from its surface", geom_label(g), geom.type, what,
-                                1e3 * hull.deviation_m));
+    const auto is_cylinder = [this](std::size_t g) { return model_.geoms[g].type == "cylinder"; };
+    if (most.z > 0 && std::ranges::any_of(geoms, is_cylinder))
+      account_.change(
+          fmt::format("{}: rolling friction acts where one point touches, not on a cylinder that lies", name));
   }
 
   std::vector<DraftPart> fixed_mesh(DraftPart part, std::size_t g) {
@@ -148,6 +154,7 @@ class Translator {
     }
     part.shape = DraftShape::kMesh;
     part.mesh = soup;
+    part.rounding = kSingleRounding;
     account_.change(
         fmt::format("{}: a fixed mesh is its own surface here, not the convex hull that MuJoCo takes", geom_label(g)));
     return {std::move(part)};
@@ -174,6 +181,7 @@ class Translator {
       return {};
     }
     part.shape = DraftShape::kMesh;
+    part.rounding = kSingleRounding;  // the heights are of single precision
     for (unsigned r = 0; r < field.rows; ++r)
       for (unsigned c = 0; c < field.columns; ++c)
         part.mesh.corners.push_back({field.half_x * (2.0 * c / (field.columns - 1) - 1),
@@ -191,19 +199,53 @@ class Translator {
 
   // --- bodies
 
+  // What never moves: the convex shapes of one body that have the same friction are one compound. Those of the world
+  // itself are no body of the model, and stay bodies of their own.
   void add_fixed() {
+    std::vector<std::vector<std::size_t>> together;
     for (const std::size_t g : touching_[0]) {
-      auto parts = parts_of(g, true);
-      if (parts.empty()) continue;
-      const ModelGeom& geom = model_.geoms[g];
-      DraftBody body;
-      body.role = DraftRole::kFixed;
-      body.name = !geom.name.empty() ? geom.name : geom.body > 0 ? body_at(geom.body).name : "fixed";
-      body.origin = std::move(parts[0].origin);
-      set_parts(std::move(parts), {}, body);
-      set_friction({g}, geom_label(g), body);
-      draft_.bodies.push_back(std::move(body));
+      const auto fits = [&](const std::vector<std::size_t>& others) {
+        const ModelGeom &geom = model_.geoms[g], &other = model_.geoms[others.front()];
+        return is_part(geom) && is_part(other) && geom.body == other.body && friction_of(geom) == friction_of(other) &&
+               others.size() < kMaxParts;
+      };
+      const auto found = std::ranges::find_if(together, fits);
+      if (found == together.end())
+        together.push_back({g});
+      else
+        found->push_back(g);
     }
+    for (const auto& geoms : together) add_fixed(geoms);
+  }
+
+  static bool is_part(const ModelGeom& geom) {
+    return geom.body > 0 && geom.type != "plane" && geom.type != "mesh" && geom.type != "hfield";
+  }
+
+  void add_fixed(const std::vector<std::size_t>& geoms) {
+    const ModelGeom& first = model_.geoms[geoms.front()];
+    const ModelBody& head = body_at(first.body);
+    DraftBody body;
+    body.role = DraftRole::kFixed;
+    std::vector<DraftPart> parts;
+    for (const std::size_t g : geoms) {
+      auto made = parts_of(g, true);
+      if (made.empty()) return;  // refused
+      std::ranges::move(made, std::back_inserter(parts));
+    }
+    std::string name = geom_label(geoms.front());
+    if (parts.size() > 1) {
+      name = label(head, "body", static_cast<std::size_t>(first.body));
+      account_.change(fmt::format("{}: {} shapes that never move, one fixed compound body", name, parts.size()));
+      body.name = head.name.empty() ? fmt::format("body_{}", first.body) : head.name;
+      body.origin = with_line(name, head);
+    } else {
+      body.name = !first.name.empty() ? first.name : first.body > 0 ? head.name : "fixed";
+      body.origin = std::move(parts[0].origin);
+    }
+    set_parts(std::move(parts), head.pose, body);
+    set_friction(geoms, name, body);
+    draft_.bodies.push_back(std::move(body));
   }
 
   const ModelBody& body_at(int index) const { return model_.bodies[static_cast<std::size_t>(index)]; }
@@ -245,8 +287,7 @@ class Translator {
     const std::size_t count = parts.size();
     DraftBody body;
     body.name = head.name.empty() ? fmt::format("body_{}", group) : head.name;
-    body.origin = count > 1 ? fmt::format("{}{}", name, head.line > 0 ? fmt::format(", line {}", head.line) : "")
-                            : std::move(parts[0].origin);
+    body.origin = count > 1 ? with_line(name, head) : std::move(parts[0].origin);
     if (count > 1)
       account_.change(fmt::format("{}: {} shapes, one compound body{}", name, count,
                                   head.mocap ? "" : "; mass, centre and moments exact"));
@@ -301,8 +342,7 @@ class Translator {
     const int a = group_of(joint.parent), b = group_of(joint.body);
     if (!set_ends(a, b, out)) return;
     out.kind = joint.type == "slide" ? "slider" : joint.type;
-    out.origin =
-        fmt::format("{}{}", label(joint, "joint", j), joint.line > 0 ? fmt::format(", line {}", joint.line) : "");
+    out.origin = with_line(label(joint, "joint", j), joint);
     out.position = joint.anchor;
     if (joint.type != "ball") out.axis = joint.axis;
     out.bodies_collide = collide(a, b, !model_.parents_filtered || a == 0);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -30,19 +31,32 @@ std::string comment(const std::string& text) {
   return "# " + out + "\n";
 }
 
-// -0 as 0, and so without a sign in the text.
-double plain(double x) { return x == 0 ? 0 : x; }
-std::string shown(const Vec3d& v) { return fmt::format("[{}, {}, {}]", plain(v.x), plain(v.y), plain(v.z)); }
-
-std::string shown(const SymMat3d& m) {
-  if (m.xy == 0 && m.xz == 0 && m.yz == 0) return shown(Vec3d{m.xx, m.yy, m.zz});
-  return fmt::format("[{}, {}, {}, {}, {}, {}]", m.xx, m.yy, m.zz, plain(m.xy), plain(m.xz), plain(m.yz));
+std::string shown(const Vec3d& v, double rounding) {
+  return fmt::format("[{}, {}, {}]", decimal(v.x, rounding), decimal(v.y, rounding), decimal(v.z, rounding));
 }
 
-std::string obj_text(const sim::TriangleSoup& mesh) {
+// Each number by its own amount.
+std::string shown(const Vec3d& v) { return fmt::format("[{}, {}, {}]", decimal(v.x), decimal(v.y), decimal(v.z)); }
+
+std::string shown(const SymMat3d& m, double rounding) {
+  const std::string moments = shown(Vec3d{m.xx, m.yy, m.zz}, rounding);
+  const std::string products = shown(Vec3d{m.xy, m.xz, m.yz}, rounding);
+  if (products == "[0, 0, 0]") return moments;
+  return moments.substr(0, moments.size() - 1) + ", " + products.substr(1);
+}
+
+double farthest(const std::vector<Vec3d>& points) {
+  double most = 0;
+  for (const Vec3d& p : points) most = std::max(most, norm(p));
+  return most;
+}
+
+std::string obj_text(const DraftPart& part) {
   std::string text = "# written by tactus import, in metres\n";
-  for (const Vec3d& v : mesh.corners) text += fmt::format("v {} {} {}\n", v.x, v.y, v.z);
-  for (const auto& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  const double rounding = part.rounding * farthest(part.mesh.corners);
+  for (const Vec3d& v : part.mesh.corners)
+    text += fmt::format("v {} {} {}\n", decimal(v.x, rounding), decimal(v.y, rounding), decimal(v.z, rounding));
+  for (const auto& t : part.mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
   return text;
 }
 
@@ -50,7 +64,14 @@ bool moves(const DraftBody& body) { return body.role != DraftRole::kFixed; }
 
 class Writer {
  public:
-  Writer(const SceneDraft& draft, const std::string& stem) : draft_(draft), stem_(stem) {}
+  Writer(const SceneDraft& draft, const std::string& stem) : draft_(draft), stem_(stem) {
+    const auto reach = [this](const Vec3d& place) { reach_m_ = std::max(reach_m_, norm(place)); };
+    for (const DraftBody& body : draft_.bodies) {
+      reach(body.pose.position);
+      for (const DraftPart& part : body.parts) reach((body.pose * part.pose).position);
+    }
+    for (const DraftJoint& joint : draft_.joints) reach(joint.position);
+  }
 
   SceneFiles write(Account& account) {
     for (const std::string& line : draft_.head) files_.text += comment(line);
@@ -85,17 +106,25 @@ class Writer {
   }
 
   void line(const char* key, const std::string& value) { files_.text += fmt::format("{} = {}\n", key, value); }
+  void line_unless_zero(const char* key, const std::string& value) {
+    if (value != "[0, 0, 0]") line(key, value);
+  }
 
   void write_shape(const DraftPart& part) {
     switch (part.shape) {
       case DraftShape::kSphere:
         line("shape", "\"sphere\"");
-        line("radius_m", fmt::format("{}", part.size.x));
+        line("radius_m", decimal(part.size.x));
         break;
       case DraftShape::kCapsule:
         line("shape", "\"capsule\"");
-        line("radius_m", fmt::format("{}", part.size.x));
-        line("length_m", fmt::format("{}", 2 * part.size.y));
+        line("radius_m", decimal(part.size.x));
+        line("length_m", decimal(2 * part.size.y));
+        break;
+      case DraftShape::kCylinder:
+        line("shape", "\"cylinder\"");
+        line("radius_m", decimal(part.size.x));
+        line("length_m", decimal(2 * part.size.y));
         break;
       case DraftShape::kBox:
         line("shape", "\"box\"");
@@ -107,19 +136,20 @@ class Writer {
       case DraftShape::kHull:
         line("shape", "\"hull\"");
         files_.text += "points_m = [\n";
-        for (const Vec3d& p : part.points) files_.text += fmt::format("  {},\n", shown(p));
+        for (const Vec3d& p : part.points)
+          files_.text += fmt::format("  {},\n", shown(p, part.rounding * farthest(part.points)));
         files_.text += "]\n";
         break;
       case DraftShape::kMesh:
         line("shape", "\"mesh\"");
-        line("file", quoted(file_of(part.mesh)));
+        line("file", quoted(file_of(part)));
         break;
     }
   }
 
   // Bodies of the same mesh share its file.
-  std::string file_of(const sim::TriangleSoup& mesh) {
-    const std::string content = obj_text(mesh);
+  std::string file_of(const DraftPart& part) {
+    const std::string content = obj_text(part);
     for (const auto& [name, known] : files_.shapes)
       if (known == content) return name;
     files_.shapes.emplace_back(fmt::format("{}_{}.obj", stem_, files_.shapes.size() + 1), content);
@@ -146,15 +176,16 @@ class Writer {
     if (body.role == DraftRole::kFixed && !always_fixed) line("fixed", "true");
     if (body.role == DraftRole::kKinematic) line("kinematic", "true");
     if (body.role == DraftRole::kMoving) {
-      line("mass_kg", fmt::format("{}", body.mass_kg));
-      if (body.inertia) line("inertia_kg_m2", shown(*body.inertia));
-      if (body.centre) line("centre_of_mass_m", shown(*body.centre));
-      if (norm(body.velocity.linear) > 0) line("velocity_m_per_s", shown(body.velocity.linear));
-      if (norm(body.velocity.angular) > 0) line("angular_velocity_rad_per_s", shown(body.velocity.angular));
+      line("mass_kg", decimal(body.mass_kg));
+      if (body.inertia) line("inertia_kg_m2", shown(*body.inertia, inertia_rounding(body)));
+      if (body.centre) line("centre_of_mass_m", shown(*body.centre, length_rounding()));
+      const double turn = norm(body.velocity.angular), speed = norm(body.velocity.linear) + turn * reach_m_;
+      line_unless_zero("velocity_m_per_s", shown(body.velocity.linear, kRounding * speed));
+      line_unless_zero("angular_velocity_rad_per_s", shown(body.velocity.angular, kRounding * turn));
     }
-    if (body.friction > 0) line("friction", fmt::format("{}", body.friction));
-    if (body.contact_radius_m > 0) line("contact_radius_m", fmt::format("{}", body.contact_radius_m));
-    if (body.rolling_friction_m > 0) line("rolling_friction_m", fmt::format("{}", body.rolling_friction_m));
+    if (body.friction > 0) line("friction", decimal(body.friction));
+    if (body.contact_radius_m > 0) line("contact_radius_m", decimal(body.contact_radius_m));
+    if (body.rolling_friction_m > 0) line("rolling_friction_m", decimal(body.rolling_friction_m));
     write_pose(body.pose);
     if (!body.compound) return;
     for (const DraftPart& part : body.parts) {
@@ -165,9 +196,17 @@ class Writer {
   }
 
   void write_pose(const Posed& pose) {
-    if (norm(pose.position) > 0) line("position_m", shown(pose.position));
-    const Vec3d rotation = rotation_vector_of(pose.rotation);
-    if (norm(rotation) > 1e-15) line("rotation_vector_rad", shown(rotation));
+    line_unless_zero("position_m", shown(pose.position, length_rounding()));
+    line_unless_zero("rotation_vector_rad", shown(rotation_vector_of(pose.rotation), kRounding));
+  }
+
+  // Places come from sums of lengths as large as the model is far.
+  double length_rounding() const { return kRounding * reach_m_; }
+
+  // Moments about a centre that is wrong by d are so by 2 m l d, and m l^2 is at most their trace.
+  double inertia_rounding(const DraftBody& body) const {
+    const double sum = trace(*body.inertia);
+    return kRounding * sum + 2 * std::sqrt(body.mass_kg * sum) * length_rounding();
   }
 
   std::string end_name(std::size_t body) const {
@@ -180,11 +219,12 @@ class Writer {
     line("kind", quoted(joint.kind));
     if (joint.a) line("a", end_name(*joint.a));
     line("b", end_name(joint.b));
-    line("position_m", shown(joint.position));
-    if (joint.axis) line("axis", shown(*joint.axis));
+    line("position_m", shown(joint.position, length_rounding()));
+    if (joint.axis) line("axis", shown(*joint.axis, kRounding));
     const bool turns = joint.kind == "hinge";
-    if (joint.low) line(turns ? "low_rad" : "low_m", fmt::format("{}", plain(*joint.low)));
-    if (joint.high) line(turns ? "high_rad" : "high_m", fmt::format("{}", plain(*joint.high)));
+    const double rounding = turns ? kRounding : length_rounding();
+    if (joint.low) line(turns ? "low_rad" : "low_m", decimal(*joint.low, rounding));
+    if (joint.high) line(turns ? "high_rad" : "high_m", decimal(*joint.high, rounding));
     if (joint.bodies_collide) line("bodies_collide", "true");
   }
 
@@ -199,7 +239,7 @@ class Writer {
   void write_device(const Vec3d& position) {
     files_.text += "\n[device]\n";
     line("profile", quoted(draft_.proxy.device));
-    line("position_m", shown(position));
+    line("position_m", shown(position, length_rounding()));
   }
 
   void write_proxy(Account& account) {
@@ -214,10 +254,10 @@ class Writer {
     }
     const Vec3d position = proxy.position.value_or(above_everything());
     files_.text += "\n[proxy]\nshape = \"sphere\"\n";
-    line("radius_m", fmt::format("{}", proxy.radius_m));
-    line("mass_kg", fmt::format("{}", proxy.mass_kg));
-    if (effects().find("friction") != std::string::npos) line("friction", fmt::format("{}", proxy.friction));
-    line("position_m", shown(position));
+    line("radius_m", decimal(proxy.radius_m));
+    line("mass_kg", decimal(proxy.mass_kg));
+    if (effects().find("friction") != std::string::npos) line("friction", decimal(proxy.friction));
+    line("position_m", shown(position, length_rounding()));
     write_device(position);
     account.change(
         fmt::format("filled in: a proxy of radius {} m and {} kg at [{:.3g}, {:.3g}, {:.3g}] m, the device {} there",
@@ -247,6 +287,8 @@ class Writer {
         return pose.position.z + part.size.x;
       case DraftShape::kCapsule:
         return pose.position.z + part.size.x + part.size.y * std::abs(up.z);
+      case DraftShape::kCylinder:
+        return pose.position.z + part.size.y * std::abs(up.z) + part.size.x * std::hypot(up.x, up.y);
       case DraftShape::kBox:
         return pose.position.z + dot(part.size, abs(up));
       case DraftShape::kPlane:
@@ -264,6 +306,7 @@ class Writer {
   const SceneDraft& draft_;
   const std::string& stem_;
   SceneFiles files_;
+  double reach_m_{0};  // the farthest place from the world's origin
 };
 
 }  // namespace

@@ -9,22 +9,24 @@
 
 #include "rt/base/result.h"
 #include "tools/import/account.h"
+#include "tools/import/decimals.h"
 #include "tools/import/hull_shapes.h"
 #include "tools/import/mass_properties.h"
 
 namespace tactus::scene_import {
 
-enum class DraftShape { kSphere, kCapsule, kBox, kPlane, kHull, kMesh };
+enum class DraftShape { kSphere, kCapsule, kCylinder, kBox, kPlane, kHull, kMesh };
 enum class DraftRole { kMoving, kFixed, kKinematic };
 
-// One shape of a body. What moves has spheres, capsules, boxes and hulls.
+// One shape of a body. What moves has spheres, capsules, cylinders, boxes and hulls.
 struct DraftPart {
   std::string origin;  // for a comment: geom "head", line 42
   DraftShape shape{DraftShape::kBox};
-  Vec3d size;                 // box: half lengths; sphere: x is the radius; capsule: radius, half length
-  std::vector<Vec3d> points;  // of a hull, in the part's frame
-  sim::TriangleSoup mesh;     // in the part's frame
-  Posed pose;                 // body_from_part
+  Vec3d size;                  // box: half lengths; sphere: x is the radius; capsule, cylinder: radius, half length
+  std::vector<Vec3d> points;   // of a hull, in the part's frame
+  sim::TriangleSoup mesh;      // in the part's frame
+  double rounding{kRounding};  // of points and mesh, as a share of the farthest one's distance
+  Posed pose;                  // body_from_part
 };
 
 struct DraftBody {

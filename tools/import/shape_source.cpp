@@ -46,6 +46,7 @@ class NodeTranslator {
     part.shape = DraftShape::kMesh;
     part.pose = body.pose;
     part.mesh = std::move(node.soup);
+    part.rounding = kSingleRounding;
     set_parts({std::move(part)}, {}, body);
     return true;
   }

@@ -9,6 +9,7 @@
 #include "rt/text/read_file.h"
 #include "rt/text/table_reader.h"
 #include "sim/model/choice_names.h"
+#include "sim/model/scene.h"
 #include "sim/worker_pool.h"
 #include "tools/doctor/system_view.h"
 
@@ -36,7 +37,7 @@ class ConfigurationReader {
     c_.log_interval_s = log.number("interval_s", c_.log_interval_s, {"an interval", 0.1, 3600});
     log.finish();
     root_.finish();
-    for (const std::string& mistake : option_mistakes(c_.run))
+    for (const std::string& mistake : mistakes_of_options())
       diagnostics_.add({0, 0, "the file", "does not go together: " + mistake, "see tactus run --help"});
   }
 
@@ -49,11 +50,47 @@ class ConfigurationReader {
   }
 
   void read_device() {
-    text::TableReader t = table("device");
+    const std::span<const text::TomlNode> tables = root_.tables("device", sim::kMaxHands);
+    if (tables.size() > 1) return read_devices(tables);
+    text::TableReader t(tables.empty() ? nullptr : &tables.front(), "[device]", diagnostics_);
     c_.run.device = t.text("name", c_.run.device, kLongestText);
     c_.run.device_file = path(t, "file");
     c_.run.gpio = t.text("gpio", "", kLongestText);
+    t.refuse("core", "is of several devices", "[cores] haptic");
     t.finish();
+  }
+
+  void read_devices(std::span<const text::TomlNode> tables) {
+    for (const text::TomlNode& node : tables) {
+      text::TableReader t(&node, fmt::format("[device.{}]", c_.devices.size() + 1), diagnostics_);
+      DeviceChoice choice;
+      choice.name = t.text("name", choice.name, kLongestText);
+      choice.file = path(t, "file");
+      const unsigned core = t.count("core", 0, {"a core", 0, 4095});
+      if (t.has("core")) choice.core = static_cast<int>(core);
+      if (t.has("core")) must_be_there(t, "core", choice.core);
+      if (c_.devices.empty())
+        c_.run.gpio = t.text("gpio", "", kLongestText);
+      else
+        t.refuse("gpio", "the lines are of all hands", "gpio of the first [[device]]");
+      t.finish();
+      c_.devices.push_back(std::move(choice));
+    }
+    c_.run.device = c_.devices.front().name;
+    c_.run.device_file = c_.devices.front().file;
+  }
+
+  // Those of the options of each device, each once.
+  std::vector<std::string> mistakes_of_options() const {
+    std::vector<std::string> all = option_mistakes(c_.run);
+    for (const DeviceChoice& choice : c_.devices) {
+      session::RunOptions own = c_.run;
+      own.device = choice.name;
+      own.device_file = choice.file;
+      for (std::string& mistake : option_mistakes(own))
+        if (std::find(all.begin(), all.end(), mistake) == all.end()) all.push_back(std::move(mistake));
+    }
+    return all;
   }
 
   void read_rates() {
@@ -67,6 +104,7 @@ class ConfigurationReader {
   void read_cores() {
     text::TableReader t = table("cores");
     const unsigned core = t.count("haptic", 0, {"a core", 0, 4095});
+    if (c_.devices.size() > 1) t.refuse("haptic", "is of one hand", "core in each [[device]]");
     if (t.has("haptic")) c_.run.cpu = static_cast<int>(core);
     if (t.has("haptic")) must_be_there(t, "haptic", c_.run.cpu);
     c_.run.priority =
@@ -159,7 +197,8 @@ std::string needs_restart(const Configuration& before, const Configuration& afte
   };
   const session::RunOptions &a = before.run, &b = after.run;
   compare("scene", a.scene == b.scene);
-  compare("[device]", a.device == b.device && a.device_file == b.device_file && a.gpio == b.gpio);
+  compare("[device]", a.device == b.device && a.device_file == b.device_file && a.gpio == b.gpio &&
+                          before.devices == after.devices);
   compare("[rates]", a.rate_Hz == b.rate_Hz && a.ratio == b.ratio);
   compare("[cores]", a.cpu == b.cpu && a.priority == b.priority && a.world_threads == b.world_threads &&
                          a.world_cpus == b.world_cpus);

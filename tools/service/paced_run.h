@@ -8,7 +8,10 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <vector>
 
+#include "sim/global_thread.h"
 #include "tools/service/pacing.h"
 #include "tools/session/realtime_tick.h"
 #include "tools/session/virtual_run.h"
@@ -30,5 +33,16 @@ struct PacedHooks {
 // world's steps.
 Result<session::RunSummary> run_paced(session::Session& session, session::VirtualRun& run, const PacedHooks& hooks,
                                       std::uint64_t ticks);
+
+// The same for several hands: one pace, the requests of each.
+struct PacedHandsHooks {
+  Pacing& pacing;
+  std::vector<std::atomic<std::uint32_t>*> requests;  // by hand
+  const std::atomic<bool>& stop;
+  sim::StepObserver stepped{};
+  std::function<void(std::span<const session::LiveStatus* const> hands, double elapsed_s)> look;
+};
+Result<std::vector<session::RunSummary>> run_paced(session::Hands& hands, const PacedHandsHooks& hooks,
+                                                   std::uint64_t ticks);
 
 }  // namespace tactus::service

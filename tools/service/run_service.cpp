@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "rt/loop/haptic_loop.h"
 #include "tools/service/notify.h"
 
@@ -13,24 +15,42 @@ constexpr double kRearmAfter_s = 1.0;
 
 }  // namespace
 
-RunService::RunService(const Configuration& configuration, std::filesystem::path file, RunName name)
-    : configuration_(configuration),
-      file_(std::move(file)),
+Status SharedService::reload(std::string& said) {
+  const auto read = load_configuration(file_);
+  if (!read.ok()) return Status::error("nothing was changed: " + read.message());
+  const Configuration& after = read.value();
+  if (const std::string keys = needs_restart(configuration_, after); !keys.empty())
+    return Status::error("nothing was changed: a restart is needed for " + keys);
+  rearm_.store(after.run.rearm);
+  log_interval_s_.store(after.log_interval_s);
+  reloads_.fetch_add(1);
+  said = fmt::format("rearm {}, log interval {:g} s", after.run.rearm, after.log_interval_s);
+  return Status::good();
+}
+
+void SharedService::tell_alive(unsigned hand, bool alive) {
+  alive_[hand] = alive;
+  if (hand + 1 < alive_.size() || std::find(alive_.begin(), alive_.end(), false) != alive_.end()) return;
+  if (!ready_) (void)notify("READY=1");
+  ready_ = true;
+  if (watchdog_period_s() > 0) (void)notify("WATCHDOG=1");
+}
+
+RunService::RunService(std::shared_ptr<SharedService> shared, RunName name)
+    : shared_(std::move(shared)),
       name_(std::move(name)),
-      rearm_(configuration.run.rearm),
-      log_interval_s_(configuration.log_interval_s),
-      log_(stderr, EventLog::to_journal(), configuration.log_interval_s),
+      log_(stderr, EventLog::to_journal(), shared_->log_interval_s()),
       monitor_(log_, name_) {
   log_.set_hand(name_.hand);
 }
 
 Result<std::unique_ptr<RunService>> RunService::open(const Configuration& configuration,
-                                                     const std::filesystem::path& file, std::atomic<bool>& stop,
+                                                     std::shared_ptr<SharedService> shared, std::atomic<bool>& stop,
                                                      bool can_reset, RunName name, const Watchable& watchable) {
-  std::unique_ptr<RunService> service(new RunService(configuration, file, std::move(name)));
+  std::unique_ptr<RunService> service(new RunService(shared, std::move(name)));
   if (!configuration.socket.empty()) {
     ControlServer::Reload reload;
-    if (!file.empty()) reload = [raw = service.get()](std::string& said) { return raw->reload(said); };
+    if (shared->can_reload()) reload = [shared](std::string& said) { return shared->reload(said); };
     auto control =
         ControlServer::open(configuration.socket, service->requests_, stop, std::move(reload), can_reset, watchable);
     if (!control.ok()) return control.status();
@@ -44,29 +64,18 @@ Result<std::unique_ptr<RunService>> RunService::open(const Configuration& config
 
 RunService::~RunService() { (void)notify("STOPPING=1"); }
 
-Status RunService::reload(std::string& said) {
-  const auto read = load_configuration(file_);
-  if (!read.ok()) return Status::error("nothing was changed: " + read.message());
-  const Configuration& after = read.value();
-  if (const std::string keys = needs_restart(configuration_, after); !keys.empty())
-    return Status::error("nothing was changed: a restart is needed for " + keys);
-  rearm_.store(after.run.rearm);
-  log_interval_s_.store(after.log_interval_s);
-  reloaded_.store(true);
-  said = fmt::format("rearm {}, log interval {:g} s", after.run.rearm, after.log_interval_s);
-  return Status::good();
-}
-
 void RunService::say(const std::string& line) { log_.event(Level::kWarning, "run", {{"text", line}}, elapsed_s_); }
 
 void RunService::look(const session::LiveStatus& live, double elapsed_s) {
   elapsed_s_ = elapsed_s;
-  log_.set_interval(log_interval_s_.load());
-  if (reloaded_.exchange(false))
-    log_.event(
-        Level::kNotice, "reloaded",
-        {{"rearm", rearm_.load() ? "true" : "false"}, {"interval_s", fmt::format("{:g}", log_interval_s_.load())}},
-        elapsed_s);
+  log_.set_interval(shared_->log_interval_s());
+  if (const unsigned reloads = shared_->reloads(); reloads != reloads_logged_) {
+    reloads_logged_ = reloads;
+    log_.event(Level::kNotice, "reloaded",
+               {{"rearm", shared_->rearm() ? "true" : "false"},
+                {"interval_s", fmt::format("{:g}", shared_->log_interval_s())}},
+               elapsed_s);
+  }
   monitor_.look(live, elapsed_s);
   if (control_ != nullptr) {
     const auto braked = static_cast<std::uint32_t>(haptics::DeviceState::kBrake);
@@ -74,16 +83,12 @@ void RunService::look(const session::LiveStatus& live, double elapsed_s) {
                            live.device_state.load(std::memory_order_relaxed) == braked);
   }
   if (control_ != nullptr) control_->tell(state_json(live, elapsed_s, monitor_.rate_Hz(), name_));
-  if (monitor_.alive()) {
-    if (!ready_) (void)notify("READY=1");
-    ready_ = true;
-    if (watchdog_period_s() > 0) (void)notify("WATCHDOG=1");
-  }
+  shared_->tell_alive(name_.hand > 0 ? name_.hand - 1 : 0, monitor_.alive());
   if (live.fault.load(std::memory_order_relaxed) == 0) {
     fault_since_s_ = -1;
   } else if (fault_since_s_ < 0) {
     fault_since_s_ = elapsed_s;
-  } else if (rearm_.load() && elapsed_s - fault_since_s_ >= kRearmAfter_s) {
+  } else if (shared_->rearm() && elapsed_s - fault_since_s_ >= kRearmAfter_s) {
     requests_.fetch_or(loop::kRearm, std::memory_order_relaxed);
     fault_since_s_ = -1;
   }

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <span>
+
+#include "sim/model/scene.h"
 
 namespace tactus::session {
 namespace {
@@ -23,27 +26,49 @@ Status of_option(const RunOptions& options, const Status& status) {
 
 }  // namespace
 
-Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfile& profile) {
+static Result<Hardware> open_real(const RunOptions& options, const hal::DeviceProfile& profile) {
   Hardware hardware;
   const auto choice = hal::choose_device(options.device);
   if (!choice.ok()) return choice.status();
-  if (options.taped_device) return hardware;
-  if (choice.value().device_class->real) {
-    auto opened = open(options, profile, {}, {});
-    if (!opened.ok()) return of_option(options, opened.status());
-    hardware.real = true;
-    hardware.device = std::move(opened.value().device);
-    hardware.identity = std::move(opened.value().identity);
-    hardware.same_device = std::move(opened.value().same_device);
-  }
-  if (!options.gpio.empty()) {
-    const auto lines = hal::parse_gpio_options(options.gpio);
-    if (!lines.ok()) return lines.status();
-    auto gpio = hal::GpioLines::open(lines.value());
-    if (!gpio.ok()) return Status::error("--gpio: " + gpio.message());
-    hardware.gpio = std::move(gpio).value();
-  }
+  if (options.taped_device || !choice.value().device_class->real) return hardware;
+  auto opened = open(options, profile, {}, {});
+  if (!opened.ok()) return of_option(options, opened.status());
+  hardware.real = true;
+  hardware.device = std::move(opened.value().device);
+  hardware.identity = std::move(opened.value().identity);
+  hardware.same_device = std::move(opened.value().same_device);
   return hardware;
+}
+
+static Status open_lines(const std::string& gpio, std::span<Hardware> hands) {
+  if (gpio.empty()) return Status::good();
+  const auto options = hal::parse_gpio_options(gpio);
+  if (!options.ok()) return options.status();
+  auto lines = hal::GpioLines::open(options.value());
+  if (!lines.ok()) return Status::error("--gpio: " + lines.message());
+  static_assert(sim::kMaxHands <= hal::HandLines::kMaxHands);
+  auto shared = hal::HandLines::share(std::move(lines).value(), static_cast<unsigned>(hands.size()));
+  for (std::size_t hand = 0; hand < hands.size(); ++hand) hands[hand].gpio = std::move(shared[hand]);
+  return Status::good();
+}
+
+Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfile& profile) {
+  auto hardware = open_real(options, profile);
+  if (!hardware.ok() || options.taped_device) return hardware;
+  if (const Status status = open_lines(options.gpio, {&hardware.value(), 1}); !status.ok()) return status;
+  return hardware;
+}
+
+Result<std::vector<Hardware>> open_hardware(const std::vector<RunOptions>& options,
+                                            const std::vector<hal::DeviceProfile>& profiles, const std::string& gpio) {
+  std::vector<Hardware> hands;
+  for (std::size_t hand = 0; hand < options.size(); ++hand) {
+    auto opened = open_real(options[hand], profiles[hand]);
+    if (!opened.ok()) return Status::error(fmt::format("hand {}: {}", hand + 1, opened.message()));
+    hands.push_back(std::move(opened).value());
+  }
+  if (const Status status = open_lines(gpio, hands); !status.ok()) return status;
+  return hands;
 }
 
 Result<std::unique_ptr<hal::AnyDevice>> make_simulated(const RunOptions& options, const hal::DeviceProfile& profile,

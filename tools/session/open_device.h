@@ -9,7 +9,7 @@
 #include <string>
 
 #include "hal/device_class.h"
-#include "hal/gpio/gpio_lines.h"
+#include "hal/gpio/hand_lines.h"
 #include "tools/session/run_options.h"
 
 namespace tactus::session {
@@ -32,12 +32,16 @@ struct Hardware {
   bool real{false};                      // its class keeps real time: it hears IDLE before it is armed
   std::string identity;                  // of a real device, as text; empty otherwise
   std::function<Status()> same_device;   // compares the device with the one opened; null: none
-  std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
+  std::unique_ptr<hal::HandLines> gpio;  // null without --gpio
 };
 
 // Opens the real device and the lines that the options name; otherwise the members are empty. Error, one line: what the
 // machine lacks or the device reports, and the remedy.
 Result<Hardware> open_hardware(const RunOptions& options, const hal::DeviceProfile& profile);
+// Of several hands: their devices first, then the lines that `gpio` names, which all of them share. `profiles`: by
+// hand.
+Result<std::vector<Hardware>> open_hardware(const std::vector<RunOptions>& options,
+                                            const std::vector<hal::DeviceProfile>& profiles, const std::string& gpio);
 
 // Makes a device without hardware of the class that the options name, or the placeholder for a replay.
 Result<std::unique_ptr<hal::AnyDevice>> make_simulated(const RunOptions& options, const hal::DeviceProfile& profile,

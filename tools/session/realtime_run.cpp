@@ -268,7 +268,7 @@ static Result<std::vector<RunSummary>> run_realtime(std::span<Session* const> se
   if (world) world->stop();
   std::vector<RunSummary> summaries;
   for (std::size_t hand = 0; hand < runs.size(); ++hand) {
-    if (sessions[hand]->gpio != nullptr) sessions[hand]->gpio->enable(false);
+    if (sessions[hand]->gpio != nullptr) sessions[hand]->gpio->off();
     summaries.push_back(runs[hand]->summary(world ? &*world : nullptr));
   }
   return summaries;

@@ -75,7 +75,7 @@ class RealtimeTick {
   void show(const loop::TickTiming& timing, const loop::TickOutput& out) noexcept;
 
   Session& session_;
-  loop::TimedTick<hal::AnyDevice, hal::GpioLines> tick_;
+  loop::TimedTick<hal::AnyDevice, hal::HandLines> tick_;
   loop::TickProbe* probe_;
   RealtimeTaps taps_;
   LiveStatus& live_;

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "hal/any_device.h"
-#include "hal/gpio/gpio_lines.h"
+#include "hal/gpio/hand_lines.h"
 #include "hal/simulated_device.h"
 #include "rt/loop/haptic_driver.h"
 #include "rt/loop/run_stats.h"
@@ -78,7 +78,7 @@ class Session {
   std::unique_ptr<hal::AnyDevice> device;
   std::string device_identity;           // of a real device, as text
   std::function<Status()> same_device;   // see Hardware
-  std::unique_ptr<hal::GpioLines> gpio;  // null without --gpio
+  std::unique_ptr<hal::HandLines> gpio;  // null without --gpio
   std::unique_ptr<loop::Governor> governor;
   std::unique_ptr<haptics::Exchange> exchange;     // null for the direct coupling, as are `workers` and `global`
   std::shared_ptr<sim::WorkerPool> workers;        // threads that share the global world's steps

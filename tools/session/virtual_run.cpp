@@ -75,6 +75,13 @@ const loop::TickOutput& VirtualRun::tick(std::uint32_t asked) {
   return session_.driver->output();
 }
 
+void VirtualHandsRun::tick(std::span<const std::uint32_t> asked) {
+  world_.serve(tick_);
+  for (unsigned hand = 0; hand < hands_.count(); ++hand)
+    tick_of(hands_[hand], tick_, hand < asked.size() ? asked[hand] : 0);
+  ++tick_;
+}
+
 Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const TickObserver& observer) {
   set_denormals_flush();
   if (Status status = VirtualRun::check(session); !status.ok()) return status;
@@ -91,10 +98,9 @@ Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const Tick
 Result<std::vector<RunSummary>> run_virtual(Hands& hands, std::uint64_t ticks, const HandsObserver& observer) {
   set_denormals_flush();
   if (Status status = VirtualRun::check(hands[0]); !status.ok()) return status;
-  VirtualWorld world(hands[0], hands.exchanges());
+  VirtualHandsRun run(hands);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-    world.serve(tick);
-    for (unsigned hand = 0; hand < hands.count(); ++hand) tick_of(hands[hand], tick, 0);
+    run.tick();
     if (observer && !observer(hands)) break;
   }
   std::vector<RunSummary> summaries;

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "tools/session/hands.h"
 
@@ -72,7 +73,21 @@ class VirtualRun {
 // Error: of the threads that share the global world's steps. `observer` may be empty.
 Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const TickObserver& observer = {});
 
-// The same for several hands: in each tick one after the other, in their order.
+// Runs several hands tick by tick, in each tick one after the other, in their order; else as VirtualRun.
+class VirtualHandsRun {
+ public:
+  explicit VirtualHandsRun(Hands& hands) : hands_(hands), world_(hands[0], hands.exchanges()) {}
+
+  // `asked`: OperatorBits by hand; shorter: none.
+  void tick(std::span<const std::uint32_t> asked = {});
+
+ private:
+  Hands& hands_;
+  VirtualWorld world_;
+  std::uint64_t tick_{0};
+};
+
+// The same for several hands.
 using HandsObserver = std::function<bool(const Hands& hands)>;
 Result<std::vector<RunSummary>> run_virtual(Hands& hands, std::uint64_t ticks, const HandsObserver& observer = {});
 

@@ -2,6 +2,7 @@
 // names.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -30,6 +31,12 @@ std::optional<std::vector<int>> cores_of_machine() {
   return cores && !cores->empty() ? cores : std::nullopt;
 }
 
+std::string names_of(const std::vector<service::DeviceChoice>& devices) {
+  std::string names;
+  for (const service::DeviceChoice& device : devices) names += (names.empty() ? "" : ", ") + device.name;
+  return names;
+}
+
 // All mistakes in the file and in the files that it names, one per line.
 std::vector<std::string> problems_of(const ConfigOptions& options, std::string& good) {
   std::vector<std::string> problems;
@@ -44,11 +51,19 @@ std::vector<std::string> problems_of(const ConfigOptions& options, std::string& 
     const auto scene = sim::load_scene(run.scene);
     add(scene.message());
     if (scene.ok())
-      good =
-          fmt::format("{}: good; {} on {} at {:g} Hz", options.file,
-                      scene.value().title.empty() ? scene.value().name : scene.value().title, run.device, run.rate_Hz);
+      good = fmt::format("{}: good; {} on {} at {:g} Hz", options.file,
+                         scene.value().title.empty() ? scene.value().name : scene.value().title,
+                         reading.configuration.devices.empty() ? run.device : names_of(reading.configuration.devices),
+                         run.rate_Hz);
+    const std::size_t devices = std::max<std::size_t>(1, reading.configuration.devices.size());
+    if (scene.ok() && devices != 1 && devices != scene.value().hands())
+      add(fmt::format("{}: [[device]]: {} for {} hands of the scene; accepted: one for all, or one for each",
+                      options.file, devices, scene.value().hands()));
   }
   if (!run.device_file.empty()) add(hal::load_device_file(run.device_file).message());
+  for (std::size_t i = 1; i < reading.configuration.devices.size(); ++i)
+    if (const auto& file = reading.configuration.devices[i].file; !file.empty())
+      add(hal::load_device_file(file).message());
   if (const auto& budget = reading.configuration.budget; !budget.empty())
     add(timing::load_budget(budget.string()).message());
   return problems;
@@ -74,8 +89,9 @@ CLI::App* add_config_command(CLI::App& program, int& exit_code) {
   CLI::App* check = config->add_subcommand(
       "check", "Says everything that is wrong with the file, and with the scene, device and budget that it names.");
   check->footer(
-      "Tables: scene = PATH; [device] name, file, gpio; [rates] rate_Hz, ratio; [cores] haptic, priority, world,\n"
-      "world_threads; [limits] members, budget; [control] socket, arm_at_start, rearm; [log] interval_s.\n"
+      "Tables: scene = PATH; [device] name, file, gpio; [[device]] name, file, gpio, core;\n"
+      "[rates] rate_Hz, ratio; [cores] haptic, priority, world, world_threads;\n"
+      "[limits] members, budget; [control] socket, arm_at_start, rearm; [log] interval_s.\n"
       "Exit status: 0 good; 2 not, a line for each mistake.\n\nExample:\n  tactus config check "
       "/etc/tactus/tactus.toml");
   check->add_option("FILE", options->file, "TOML")->required();

@@ -119,7 +119,8 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
       hooks.taps.context = shown.get();
       hooks.began = [&](const loop::SetupReport& setup) { shown->take_setup(setup); };
     }
-    auto opened = service::RunService::open(configuration, command.config, g_stop, session.global != nullptr,
+    const auto shared = std::make_shared<service::SharedService>(configuration, command.config, 1);
+    auto opened = service::RunService::open(configuration, shared, g_stop, session.global != nullptr,
                                             {session.options.scene, sim::source_hash(session.scene.source)},
                                             watchable_of(session, shown.get()));
     if (!opened.ok()) return opened.status();
@@ -261,13 +262,21 @@ Status read_configuration(const CLI::App& app, RunCommand& command) {
   Options& o = command.options;
   const auto given = [&](const char* option) { return app.count(option) > 0; };
   if (!given("SCENE")) command.scene = from.scene;
-  if (!given("--device")) command.each.devices = {from.device};
-  if (!given("--device-file")) command.each.device_files = {from.device_file};
+  std::vector<service::DeviceChoice> devices = command.configuration.devices;
+  if (devices.empty()) devices.push_back({.name = from.device, .file = from.device_file, .core = from.cpu});
+  EachHand each;
+  for (const service::DeviceChoice& device : devices) {
+    each.devices.push_back(device.name);
+    each.device_files.push_back(device.file);
+    each.cpus.push_back(device.core);
+  }
+  if (!given("--device")) command.each.devices = each.devices;
+  if (!given("--device-file")) command.each.device_files = each.device_files;
   if (!given("--gpio")) o.gpio = from.gpio;
   if (!given("--rate")) o.rate_Hz = from.rate_Hz;
   if (!given("--ratio")) o.ratio = from.ratio;
   if (!given("--members")) o.members = from.members;
-  if (!given("--cpu")) command.each.cpus = {from.cpu};
+  if (!given("--cpu")) command.each.cpus = each.cpus;
   if (!given("--priority")) o.priority = from.priority;
   if (!given("--world-threads")) o.world_threads = from.world_threads;
   if (!given("--world-cpu")) command.world_cpus = fmt::format("{}", fmt::join(from.world_cpus, ","));
@@ -296,35 +305,36 @@ Result<session::RunSummary> run_as_asked(Session& session, const RunCommand& com
 
 // The scene has several hands, or several devices were given: what has been asked for that is of one hand alone.
 std::string not_of_several(const RunCommand& command) {
-  const std::pair<bool, const char*> of_one[] = {{!command.config.empty(), "--config"},
-                                                 {!command.budget.empty(), "--budget"},
-                                                 {!command.options.gpio.empty(), "--gpio"},
+  const std::pair<bool, const char*> of_one[] = {{!command.budget.empty(), "--budget"},
                                                  {!command.figures.empty(), "--figures"}};
   for (const auto& [asked, option] : of_one)
     if (asked) return fmt::format("{}: is of one hand; accepted: with a scene that has one, and one --device", option);
-  if (command.virtual_time && (command.view || !command.control.empty() || command.hand == "pointer"))
-    return fmt::format("{}: several hands are watched in real time; accepted: without --virtual-time",
-                       command.view              ? "--view"
-                       : command.control.empty() ? "--hand pointer"
-                                                 : "--control");
   return {};
 }
 
 int run_several(RunCommand& command, const Scene& scene) {
   if (const std::string wrong = not_of_several(command); !wrong.empty())
     return complain("tactus run: " + wrong, kExitBadInput);
-  if (command.virtual_time && command.duration_s == 0) command.duration_s = kDefaultVirtual_s;
   std::unique_ptr<PrivateFolder> folder;  // of the viewers' sockets
   if (const int exit_code = prepare_view(command, folder); exit_code != kExitGood) return exit_code;
-  auto options = library::run_options(command.options, command.duration_s);
+  // Without a duration: until stopped. The options of virtual time ask for one.
+  const bool endless = command.duration_s == 0;
+  auto options =
+      library::run_options(command.options, endless && command.virtual_time ? kDefaultVirtual_s : command.duration_s);
   if (!options.ok()) return complain("tactus run: " + options.message(), kExitBadInput);
+  if (endless) options.value().duration_s = 0;
   options.value().scene = command.scene;
   return run_hands({.scene = library::Access::scene(scene),
                     .options = std::move(options).value(),
                     .each = command.each,
                     .record = command.record,
-                    .control = command.control,
+                    .control = command.control.empty() ? command.configuration.socket : command.control,
+                    .config = command.config,
+                    .configuration = command.configuration,
                     .warnings = scene.warnings(),
+                    .pace = command.pace >= 0 ? command.pace
+                            : command.view    ? 1
+                                              : 0,
                     .view = command.view,
                     .by_pointer = command.hand == "pointer",
                     .json = command.json},

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "hal/device_class.h"
 #include "sim/loader/scene_load.h"
 #include "tools/json_report.h"
+#include "tools/service/paced_run.h"
 #include "tools/service/run_service.h"
 #include "tools/session/find_description.h"
 #include "tools/session/realtime_run.h"
@@ -37,42 +39,48 @@ const std::string& of_hand(const std::vector<std::string>& values, unsigned hand
 
 Result<std::vector<session::Hardware>> open_devices(const sim::Scene& scene,
                                                     const std::vector<session::RunOptions>& options) {
-  std::vector<session::Hardware> hardware;
+  std::vector<hal::DeviceProfile> profiles;
   for (unsigned hand = 0; hand < scene.hands(); ++hand) {
     const std::string& name = sim::scene_of_hand(scene, hand).device.profile;
-    const auto profile = session::find_description(name, options[hand].device_file);
+    auto profile = session::find_description(name, options[hand].device_file);
     if (!profile.ok()) return Status::error(fmt::format("hand {}: {}", hand + 1, profile.message()));
-    auto opened = session::open_hardware(options[hand], profile.value());
-    if (!opened.ok()) return Status::error(fmt::format("hand {}: {}", hand + 1, opened.message()));
-    hardware.push_back(std::move(opened).value());
+    profiles.push_back(std::move(profile).value());
   }
-  return hardware;
+  return session::open_hardware(options, profiles, options.front().gpio);
 }
 
 // What those who watch one hand have.
 struct Watched {
-  std::shared_ptr<ShownRun> shown;  // null if the machine has no shared memory for watchers
+  std::shared_ptr<ShownRun> shown;  // null without a socket, or if the machine has no shared memory for watchers
   std::unique_ptr<service::RunService> service;
   std::unique_ptr<ViewerProcess> viewer;
 
-  static Result<Watched> open(session::Session& session, const HandsCommand& command, std::atomic<bool>& stop) {
+  // `pacing`: of virtual time; null: real time.
+  static Result<Watched> open(session::Session& session, const HandsCommand& command,
+                              const std::shared_ptr<service::SharedService>& common, service::Pacing* pacing,
+                              std::atomic<bool>& stop) {
     Watched watched;
-    service::Configuration configuration;
+    service::Configuration configuration = command.configuration;
     configuration.socket = session::file_of_hand(command.control, session.options.hand);
-    watched.shown = ShownRun::make(session);
     service::Watchable watchable;
+    watchable.pacing = pacing;
     if (session.simulated() != nullptr) watchable.hand = &session.hand_input;
+    if (!configuration.socket.empty()) watched.shown = ShownRun::make(session);
     if (watched.shown != nullptr) watched.shown->add_to(watchable);
     auto service = service::RunService::open(
-        configuration, {}, stop, /*can_reset=*/true,
+        configuration, common, stop, /*can_reset=*/true,
         {session.options.scene, sim::source_hash(session.scene.source), session.options.hand + 1}, watchable);
     if (!service.ok()) return service.status();
     watched.service = std::move(service).value();
-    if (!command.view) return watched;
-    auto viewer = ViewerProcess::start(configuration.socket);
-    if (!viewer.ok()) return viewer.status();
-    watched.viewer = std::move(viewer).value();
     return watched;
+  }
+
+  // The records of the run are there from now on.
+  Status start_viewer(const std::filesystem::path& socket) {
+    auto started = ViewerProcess::start(socket);
+    if (!started.ok()) return started.status();
+    viewer = std::move(started).value();
+    return Status::good();
   }
 
   void look(const session::LiveStatus& live, double elapsed_s) {
@@ -80,7 +88,32 @@ struct Watched {
     if (shown != nullptr) shown->look(live);
   }
 };
-using AllWatched = std::vector<Watched>;  // by hand; empty without control sockets
+using AllWatched = std::vector<Watched>;  // by hand; empty without control sockets and log
+
+Result<AllWatched> watch_all(session::Hands& hands, const HandsCommand& command, service::Pacing* pacing,
+                             std::atomic<bool>& stop) {
+  AllWatched all;
+  if (command.control.empty() && command.config.empty()) return all;
+  const auto common = std::make_shared<service::SharedService>(command.configuration, command.config, hands.count());
+  for (unsigned hand = 0; hand < hands.count(); ++hand) {
+    auto watched = Watched::open(hands[hand], command, common, pacing, stop);
+    if (!watched.ok()) return watched.status();
+    all.push_back(std::move(watched).value());
+  }
+  return all;
+}
+
+Status start_viewers(AllWatched& all, const HandsCommand& command) {
+  for (unsigned hand = 0; hand < all.size() && command.view; ++hand)
+    if (const Status status = all[hand].start_viewer(session::file_of_hand(command.control, hand)); !status.ok())
+      return status;
+  return Status::good();
+}
+
+void end_all(AllWatched& all, const std::vector<session::RunSummary>& summaries) {
+  for (std::size_t hand = 0; hand < all.size(); ++hand)
+    if (all[hand].shown != nullptr) all[hand].shown->end(summaries[hand]);
+}
 
 void stepped(void* all, const sim::GlobalWorld& world) noexcept {
   for (const Watched& watched : *static_cast<AllWatched*>(all))
@@ -97,18 +130,15 @@ session::HandHooks hooks_of(Watched& watched) {
 
 Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands, const HandsCommand& command,
                                                           std::atomic<bool>& stop) {
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  AllWatched all;
+  const bool logged = !command.config.empty();
+  const bool terminal = isatty(STDERR_FILENO) != 0 && !logged;
+  auto watched = watch_all(hands, command, nullptr, stop);
+  if (!watched.ok()) return watched.status();
+  AllWatched& all = watched.value();
   session::HandsHooks hooks;
-  if (!command.control.empty()) {
-    for (unsigned hand = 0; hand < hands.count(); ++hand) {
-      auto watched = Watched::open(hands[hand], command, stop);
-      if (!watched.ok()) return watched.status();
-      all.push_back(std::move(watched).value());
-    }
-    for (Watched& watched : all) hooks.hands.push_back(hooks_of(watched));
-    hooks.stepped = {&stepped, &all};
-  }
+  for (Watched& each : all) hooks.hands.push_back(hooks_of(each));
+  if (!all.empty()) hooks.stepped = {&stepped, &all};
+  if (const Status status = start_viewers(all, command); !status.ok()) return status;
   // Also without a tape: a fault saves the last seconds.
   if (const Status status = hands.record(command.record); !status.ok()) return status;
   std::vector<std::uint64_t> faults_told(hands.count(), 0);
@@ -116,6 +146,7 @@ Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands,
   hooks.show = [&](std::span<const session::LiveStatus* const> live, double elapsed_s) {
     for (std::size_t hand = 0; hand < live.size(); ++hand) {
       if (!all.empty()) all[hand].look(*live[hand], elapsed_s);
+      if (logged) continue;
       const std::uint64_t faults = live[hand]->fault_count.load(std::memory_order_relaxed);
       const std::string fault = fault_line(*live[hand]);
       if (fault.empty() || faults <= faults_told[hand]) continue;
@@ -123,7 +154,7 @@ Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands,
                  elapsed_s, fault);
       faults_told[hand] = faults;
     }
-    if (terminal || (!command.json && elapsed_s >= next_line_s)) {
+    if (terminal || (!command.json && !logged && elapsed_s >= next_line_s)) {
       show_live(live, elapsed_s, terminal);
       next_line_s += 2;
     }
@@ -131,22 +162,48 @@ Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands,
   };
   hooks.asked = asked_on_keyboard;
   hooks.say = [&](const std::string& line) {
+    if (!all.empty()) all.front().service->say(line);
+    if (logged) return;
     fmt::print(stderr, "{}tactus run: {}\n", terminal ? "\r\033[K" : "", line);
   };
   auto summaries = session::run_realtime(hands, hooks, stop);
-  for (std::size_t hand = 0; hand < all.size() && summaries.ok(); ++hand)
-    if (all[hand].shown != nullptr) all[hand].shown->end(summaries.value()[hand]);
+  if (summaries.ok()) end_all(all, summaries.value());
   if (terminal) fmt::print(stderr, "\r\033[K");
+  return summaries;
+}
+
+// In virtual time with control sockets: watched, and at the pace that one of the pages asks for.
+Result<std::vector<session::RunSummary>> run_at_pace(session::Hands& hands, const HandsCommand& command,
+                                                     std::uint64_t ticks, std::atomic<bool>& stop) {
+  service::Pacing pacing;
+  pacing.pace.store(command.pace);
+  auto watched = watch_all(hands, command, &pacing, stop);
+  if (!watched.ok()) return watched.status();
+  AllWatched& all = watched.value();
+  if (const Status status = hands.record(command.record); !status.ok()) return status;
+  if (const Status status = start_viewers(all, command); !status.ok()) return status;
+  service::PacedHandsHooks hooks{
+      .pacing = pacing, .requests = {}, .stop = stop, .stepped = {&stepped, &all}, .look = {}};
+  for (Watched& each : all) hooks.requests.push_back(&each.service->requests());
+  hooks.look = [&](std::span<const session::LiveStatus* const> live, double elapsed_s) {
+    for (std::size_t hand = 0; hand < live.size(); ++hand) all[hand].look(*live[hand], elapsed_s);
+  };
+  auto summaries = service::run_paced(hands, hooks, ticks);
+  if (summaries.ok()) end_all(all, summaries.value());
   return summaries;
 }
 
 Result<std::vector<session::RunSummary>> run(session::Hands& hands, const HandsCommand& command,
                                              std::atomic<bool>& stop) {
+  constexpr double kDefaultVirtual_s = 10;
   const session::RunOptions& options = command.options;
   if (!options.virtual_time) return run_in_real_time(hands, command, stop);
+  const bool watched = !command.control.empty();
+  const double duration_s = options.duration_s == 0 && !watched ? kDefaultVirtual_s : options.duration_s;
+  const auto ticks = static_cast<std::uint64_t>(std::llround(duration_s * options.rate_Hz));
+  if (watched) return run_at_pace(hands, command, ticks, stop);
   if (!command.record.empty())
     if (const Status status = hands.record(command.record); !status.ok()) return status;
-  const auto ticks = static_cast<std::uint64_t>(std::llround(options.duration_s * options.rate_Hz));
   return session::run_virtual(hands, ticks,
                               [&](const session::Hands&) { return !stop.load(std::memory_order_relaxed); });
 }
@@ -223,6 +280,8 @@ int run_hands(const HandsCommand& command, std::atomic<bool>& stop, void (*ask_t
   } else {
     for (const session::RunSummary& summary : summaries.value()) fmt::print("{}", session::to_text(summary));
   }
+  // As of one hand: a service that was told to stop has done its work; its log has the faults.
+  if (!command.config.empty() && stop.load(std::memory_order_relaxed)) return kExitGood;
   int exit_code = kExitGood;
   for (const session::RunSummary& summary : summaries.value()) exit_code = std::max(exit_code, summary.exit_code());
   return exit_code;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/model/scene.h"
+#include "tools/service/configuration.h"
 #include "tools/session/run_options.h"
 
 namespace tactus::tools {
@@ -25,7 +26,10 @@ struct HandsCommand {
   session::RunOptions options;  // of all hands
   EachHand each;
   std::filesystem::path record, control;  // of the first hand; of the others: session::file_of_hand. Empty: none
+  std::filesystem::path config;           // empty: no service
+  service::Configuration configuration;   // of the service
   std::vector<std::string> warnings;      // of the scene
+  double pace{0};                         // of virtual time with control sockets; 0: as fast as it goes
   bool view{false};                       // a viewer for each control socket
   bool by_pointer{false};                 // the simulated hands rest until a page's mouse takes them
   bool json{false};

@@ -11,6 +11,9 @@
 #include "sim/loader/scene_report.h"
 #include "tools/experiment/effects.h"
 #include "tools/json_report.h"
+#include "tools/session/scheme_gains.h"
+#include "tools/session/session.h"
+#include "tools/session/shared_limit.h"
 #include "tools/session/verdict.h"
 #include "tools/tactus/commands.h"
 
@@ -140,6 +143,56 @@ void add_further_hands(const sim::Scene& scene, double tick_s, sim::SceneReport&
   }
 }
 
+// The gains that tactus run uses for each of several hands, with the scene's ratio: see shared_limit.h.
+struct HandGains {
+  session::RunOptions options;
+  session::SchemeGains gains;
+  unsigned ratio{0};
+};
+
+std::vector<HandGains> gains_of_hands(const sim::Scene& scene, double rate_Hz) {
+  std::vector<HandGains> hands;
+  for (unsigned hand = 0; hand < scene.hands() && scene.hands() > 1; ++hand) {
+    const sim::Scene own = sim::scene_of_hand(scene, hand);
+    session::RunOptions options;
+    options.hand = hand;
+    options.hands = scene.hands();
+    options.rate_Hz = rate_Hz;
+    const haptics::DeviceProperties device = device_of(own, options.period_s());
+    options.shared_limits = session::shared_limits(own, options, device);
+    const session::SchemeGains gains = session::gains_of(own, options, device);
+    hands.push_back({std::move(options), gains, session::ratio_of(own, options)});
+  }
+  return hands;
+}
+
+std::string to_text(const std::vector<HandGains>& hands) {
+  std::string text = hands.empty() ? "" : "hands, as tactus run has them\n";
+  for (const HandGains& hand : hands) {
+    const std::string lowered = session::lowered_text(hand.gains);
+    text +=
+        fmt::format("  {:<12}{}\n", hand.options.hand + 1,
+                    lowered.empty() ? fmt::format("{:g} N/m and {:g} N m/rad at ratio {}, as in the scene",
+                                                  hand.gains.gains.stiffness_N_per_m,
+                                                  hand.gains.gains.stiffness_Nm_per_rad, hand.ratio)
+                                    : fmt::format("{}: {}", lowered, session::lowered_why(hand.options, hand.ratio)));
+  }
+  return text;
+}
+
+ordered_json to_json(const std::vector<HandGains>& hands) {
+  ordered_json list = ordered_json::array();
+  for (const HandGains& hand : hands)
+    list.push_back({{"number", hand.options.hand + 1},
+                    {"ratio", hand.ratio},
+                    {"stiffness_N_per_m", hand.gains.gains.stiffness_N_per_m},
+                    {"asked_stiffness_N_per_m", hand.gains.asked.stiffness_N_per_m},
+                    {"stiffness_Nm_per_rad", hand.gains.gains.stiffness_Nm_per_rad},
+                    {"asked_stiffness_Nm_per_rad", hand.gains.asked.stiffness_Nm_per_rad},
+                    {"lowered", hand.gains.lowered()}});
+  return list;
+}
+
 int check_scene(const CheckOptions& options) {
   text::Diagnostics diagnostics;
   const auto scene = sim::load_scene(options.file, &diagnostics);
@@ -164,6 +217,8 @@ int check_scene(const CheckOptions& options) {
         effect.tick_us = time.tick_us;
       }
   if (!diagnostics.warnings.empty()) fmt::print(stderr, "{}\n", diagnostics.warning_message());
+  const std::vector<HandGains> hands =
+      report.coupling.accepted ? gains_of_hands(scene.value(), options.rate_Hz) : std::vector<HandGains>();
   const session::Verdict verdict = session::judge(report);
   if (options.json) {
     object["name"] = report.name;
@@ -173,9 +228,10 @@ int check_scene(const CheckOptions& options) {
     object["verdict"] = name_of(verdict.level());
     object["rules"] = session::to_json(verdict);
     object["report"] = to_json(report);
+    if (!hands.empty()) object["report"]["hands"] = to_json(hands);
     fmt::print("{}\n", report_text(object, 2));
   } else {
-    fmt::print("{}text {}, checked by tactus {}\nverdict: {}\n", sim::to_text(report),
+    fmt::print("{}{}text {}, checked by tactus {}\nverdict: {}\n", sim::to_text(report), to_text(hands),
                sim::source_hash(scene.value().source), version(), name_of(verdict.level()));
   }
   return verdict.exit_code();

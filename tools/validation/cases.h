@@ -15,5 +15,6 @@ std::vector<HardCase> border_cases();
 std::vector<HardCase> session_cases();  // whole runs in virtual time: device, border, late world
 std::vector<HardCase> effect_cases();   // bounces, joints, torsional friction
 std::vector<HardCase> device_cases();   // several devices on one world
+std::vector<HardCase> hands_cases();    // whole runs of two hands
 
 }  // namespace tactus::hard_cases

@@ -43,23 +43,28 @@ scene_import::CompiledModel compiled(const std::string& name) {
 void check_part(const physics::CompoundPart& part, const Posed& world_from_body, const scene_import::ModelGeom& geom) {
   const Posed pose = world_from_body * part.body_from_part;
   CHECK(norm(pose.position - geom.pose.position) < 1e-9);
-  if (geom.type == "cylinder" || geom.type == "mesh") {
+  if (geom.type == "mesh") {
     CHECK(part.shape.kind == physics::ShapeKind::kHull);
     return;
   }
   for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
     CHECK(norm(rotate(pose.rotation, axis) - rotate(geom.pose.rotation, axis)) < 1e-9);
-  const physics::Shape expected = geom.type == "sphere"    ? physics::Shape::sphere(geom.size.x)
-                                  : geom.type == "capsule" ? physics::Shape::capsule(geom.size.x, geom.size.y)
-                                                           : physics::Shape::box(geom.size);
-  CHECK(part.shape == expected);
+  const physics::Shape expected = geom.type == "sphere"     ? physics::Shape::sphere(geom.size.x)
+                                  : geom.type == "capsule"  ? physics::Shape::capsule(geom.size.x, geom.size.y)
+                                  : geom.type == "cylinder" ? physics::Shape::cylinder(geom.size.x, geom.size.y)
+                                                            : physics::Shape::box(geom.size);
+  CHECK(part.shape.kind == expected.kind);
+  const Vec3d sizes{part.shape.radius, part.shape.half_length, 0}, known{expected.radius, expected.half_length, 0};
+  CHECK(norm(sizes - known) < 1e-15);
+  CHECK(norm(part.shape.half_extents - expected.half_extents) < 1e-15);
 }
 
 }  // namespace
 
 TEST_CASE("imported bodies have the mass, centre and moments that MuJoCo gives them, to 1e-9") {
   TACTUS_NEEDS_COMPILER();
-  const std::string name = GENERATE("shapes.xml", "inertial.xml", "several.xml", "gripper.xml", "cabinet.urdf");
+  const std::string name =
+      GENERATE("shapes.xml", "inertial.xml", "several.xml", "gripper.xml", "cabinet.urdf", "roll.xml");
   CAPTURE(name);
   const auto made = imported(name);
   const auto scene = loaded(made);

@@ -119,3 +119,13 @@ TEST_CASE("on an incline of 30 degrees a block slides at g (sin a - mu cos a), a
   CHECK(norm(path.back()[0] - path[0][0]) == Approx(expected).epsilon(0.01));
   CHECK(norm(path.back()[1] - path[0][1]) < 1e-3);
 }
+
+TEST_CASE("cylinders roll down an incline at g sin a / (1 + I / (m r^2)), alone and as parts") {
+  TACTUS_NEEDS_COMPILER();
+  const Path path = path_here("roll.xml", 0.5);
+  const double sliding = 0.5 * kGravity * 0.5 * 0.25;
+  CHECK(norm(path.back()[0] - path[0][0]) == Approx(sliding / 1.5).epsilon(0.01));
+  // Two discs of 0.1 kg and 0.04 m, an axle of 0.6 kg and 0.01 m.
+  const double inertia = 2 * 0.5 * 0.1 * 0.0016 + 0.5 * 0.6 * 0.0001;
+  CHECK(norm(path.back()[1] - path[0][1]) == Approx(sliding / (1 + inertia / (0.8 * 0.0016))).epsilon(0.01));
+}

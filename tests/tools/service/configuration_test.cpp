@@ -71,6 +71,53 @@ TEST_CASE("all but the scene has a default") {
   CHECK_FALSE(c.run.arm_at_start);
 }
 
+TEST_CASE("[[device]] is a device of each hand, with its file and its core, and the lines of all") {
+  const auto c = good(R"(scene = "two.toml"
+[[device]]
+name = "usb:0001"
+file = "left.toml"
+core = 2
+gpio = "chip=gpiochip0,estop=3-low"
+[[device]]
+name = "can:can0"
+core = 3
+[cores]
+priority = 70
+)");
+  REQUIRE(c.devices.size() == 2);
+  CHECK(c.devices[0] == DeviceChoice{"usb:0001", "/etc/tactus/left.toml", 2});
+  CHECK(c.devices[1] == DeviceChoice{"can:can0", {}, 3});
+  CHECK(c.run.gpio == "chip=gpiochip0,estop=3-low");
+  CHECK(c.run.priority == 70);
+  CHECK(c.run.cpu == -1);
+  // Given once it is [device].
+  const auto one = good("scene = \"/a.toml\"\n[[device]]\nname = \"usb\"\n");
+  CHECK(one.devices.empty());
+  CHECK(one.run.device == "usb");
+  CHECK(needs_restart(c, one) == "scene, [device], [cores]");
+  CHECK(good("scene = \"/a.toml\"\n[device]\nname = \"usb\"\n").devices.empty());
+}
+
+TEST_CASE("what several devices cannot have is a mistake with its line") {
+  const std::string text = R"(scene = "/a.toml"
+[[device]]
+core = 9
+[[device]]
+name = "nonesuch"
+gpio = "chip=gpiochip0,estop=3"
+[cores]
+haptic = 1
+)";
+  const auto reading = read_configuration(text, "t.toml", std::vector<int>{0, 1});
+  for (const char* says :
+       {"t.toml:3:8: [device.1] core: this machine has no core 9",
+        "t.toml:6:8: [device.2] gpio: the lines are of all hands; accepted: gpio of the first",
+        "t.toml:8:10: [cores] haptic: is of one hand; accepted: core in each [[device]]", "nonesuch"})
+    CHECK_THAT(reading.mistakes, Contains(says));
+  CHECK_THAT(read_configuration("scene = \"/a.toml\"\n[device]\ncore = 1\n", "t.toml", std::nullopt).mistakes,
+             Contains("[device] core: is of several devices; accepted: [cores] haptic"));
+}
+
 TEST_CASE("every mistake has its line, and none hides the next one") {
   const auto bad = parse_configuration(R"([device]
 name = 4

@@ -2,7 +2,6 @@
 """tests/tools/view/in_browser.py PROGRAM: the page of tactus view in Chromium shows what the run has. It begins with the proof
 that WebGL draws; speed is not judged. Exit 77 where there is no browser or no page."""
 import http.server
-import json
 import os
 import shutil
 import sys
@@ -12,7 +11,7 @@ import unittest
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from watched_run import Page, Run, Viewer, page_is_built, skip, wait_for  # noqa: E402
+from watched_run import Run, Viewer, page_is_built, skip, wait_for  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv.pop(1)) if __name__ == "__main__" else ""
 # Software rendering: Chromium does not fall back to it by itself.
@@ -180,32 +179,6 @@ class InBrowser(unittest.TestCase):
         wait_for(lambda: not self.run_.ask("state")["armed"], "disarmed run")
         self.browser.execute_script("document.querySelector('[data-ask=stop]').click()")
         self.shows("state", "the run is over")
-
-
-class EveryScene(unittest.TestCase):
-    """Hulls, capsules, meshes, joints, sleepers: all bodies are drawn, in few calls, and nothing is logged."""
-
-    def test_scenes(self):
-        browser = open_browser()
-        kinds = set()
-        for name in ("workshop.toml", "stones.toml", "terrain.toml", "chain.toml", "pile700.toml", "wall.toml"):
-            with self.subTest(scene=name):
-                run = Run(PROGRAM, name)
-                viewer = Viewer(run)
-                page = Page(viewer)
-                scene = json.loads(page.message())
-                page.close()
-                moving = sum(not body["fixed"] for body in scene["bodies"])
-                kinds |= {shape["kind"] for shape in scene["shapes"]}
-                browser.get(viewer.address)
-                canvas = lambda: browser.execute_script("return {...document.getElementById('canvas').dataset}")  # noqa: E731
-                wait_for(lambda: int(canvas().get("solid", 0)) + int(canvas().get("outside", 0)) == moving, f"{moving} bodies")
-                self.assertLessEqual(int(canvas()["calls"]), 60)
-                self.assertEqual([line["message"] for line in browser.get_log("browser")], [])
-                viewer.end()
-                run.end()
-        browser.quit()
-        self.assertEqual(kinds, {"sphere", "capsule", "box", "plane", "mesh"})
 
 
 def missing():

@@ -1,6 +1,7 @@
 """A run and its viewer, for the tests beside; and a WebSocket of plain sockets, which may say what no browser would."""
 import base64
 import json
+import mmap
 import os
 import shutil
 import signal
@@ -48,6 +49,43 @@ class Run:
         summary = json.loads(self.process.communicate(timeout=PATIENCE_S)[0])
         shutil.rmtree(self.folder)
         return summary
+
+
+class Published:
+    """What a controller publishes, read from its shared memory without a viewer: tools/publication/layout.h."""
+    VERSION, HEADER, FRAME = 2, "<8s2IQd6Q2IQ", "<2Qd6I"
+
+    def __init__(self, control):
+        self.connection = socket.socket(socket.AF_UNIX)
+        self.connection.settimeout(PATIENCE_S)
+        self.connection.connect(control)
+        self.connection.sendall(b"watch\n")
+        answer, descriptors, _, _ = socket.recv_fds(self.connection, 4096, 1)
+        assert len(descriptors) == 1, answer
+        self.memory = mmap.mmap(descriptors[0], 0, prot=mmap.PROT_READ)
+        os.close(descriptors[0])
+        head = struct.unpack_from(self.HEADER, self.memory)
+        assert head[:2] == (b"TACTPUB\0", self.VERSION), head
+        self.frames_at, self.stride, self.bodies = head[7], head[8], head[12]
+
+    def frame(self):
+        """The newest: its time, and x y z, w x y z of each moving body; None where there is none yet or it was overtaken."""
+        frames, = struct.unpack_from("<Q", self.memory, 128)
+        if frames == 0:
+            return None
+        at = self.frames_at + (frames - 1) % 3 * self.stride
+        slot = self.memory[at:at + self.stride]
+        if {struct.unpack_from("<Q", slot)[0], struct.unpack_from("<Q", self.memory, at)[0]} != {2 * frames}:
+            return None
+        _, _, time_s, bodies, *_ = struct.unpack_from(self.FRAME, slot)
+        positions = struct.iter_unpack("<3f", slot[48:48 + 12 * bodies])
+        turns_at = 48 + (12 * bodies + 7) // 8 * 8
+        rotations = struct.iter_unpack("<4h", slot[turns_at:turns_at + 8 * bodies])
+        return time_s, [(place, [part / 32767 for part in turn]) for place, turn in zip(positions, rotations)]
+
+    def close(self):
+        self.memory.close()
+        self.connection.close()
 
 
 class ViewedRun:

@@ -106,6 +106,8 @@ class Page implements Listener {
     if (scene.virtual_time) this.player.showVirtual();
     this.pointer = new Pointer(element<HTMLCanvasElement>("canvas"), stream.view, (message) => stream.send(message), (event_ms) => this.lag.moved(event_ms, this.plots!.ticks));
     element<HTMLElement>("hand").hidden = scene.device !== "sim";
+    // For the console, and for tests: what the picture has.
+    Object.assign(element<HTMLCanvasElement>("canvas"), { drawn: (body: number) => stream.view.drawn(body) });
     requestAnimationFrame((now) => this.draw(now));
   }
 

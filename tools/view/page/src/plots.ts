@@ -28,9 +28,9 @@ export const kSignals: readonly Signal[] = [
   { name: "energy at the ports", unit: "J", lines: [{ label: "device", of: channel(10) }, { label: "damped", of: channel(11) }, { label: "border", of: channel(12) }, { label: "border's tank", of: channel(13) }] },
   { name: "counts", unit: "", lines: [{ label: "members", of: channel(14) }, { label: "border points", of: channel(15) }, { label: "contacts", of: channel(16) }, { label: "sub-steps", of: channel(17) }] },
   { name: "deepest overlap", unit: "mm", lines: [{ label: "overlap", of: (row) => 1e3 * row[18]! }] },
-  { name: "times of a tick", unit: "us", lines: [{ label: "compute", of: stage_us(21) }, { label: "wake", of: stage_us(19) }, { label: "device", of: stage_us(20) }, deadline_us] },
-  { name: "whole tick", unit: "us", lines: [{ label: "wake to written", of: whole_us }, deadline_us] },
-  { name: "force age", unit: "us", lines: [{ label: "when written", of: forceAge_us }] },
+  { name: "times of a tick", unit: "µs", lines: [{ label: "compute", of: stage_us(21) }, { label: "wake", of: stage_us(19) }, { label: "device", of: stage_us(20) }, deadline_us] },
+  { name: "whole tick", unit: "µs", lines: [{ label: "wake to written", of: whole_us }, deadline_us] },
+  { name: "force age", unit: "µs", lines: [{ label: "when written", of: forceAge_us }] },
 ];
 const kColours = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
 const kDashes = [[], [8, 4], [2, 3], [8, 3, 2, 3]];
@@ -65,13 +65,14 @@ export class Plots {
     this.signal = kSignals[index] ?? kSignals[0]!;
     this.arm(this.trigger);
     this.chart?.destroy();
-    const over = this.beside === null ? [] : [{ label: `${this.signal.lines[0]!.label}, beside`, stroke: "#000000", dash: [3, 3], width: 1.5 }];
+    const named = (label: string): string => (this.signal.unit === "" ? label : `${label} [${this.signal.unit}]`);
+    const over = this.beside === null ? [] : [{ label: named(`${this.signal.lines[0]!.label}, beside`), stroke: "#000000", dash: [3, 3], width: 1.5 }];
     this.chart = new uPlot(
       {
         ...this.size(),
         scales: { x: { time: false } },
-        axes: [{ label: "simulated time [s]" }, { label: this.signal.unit === "" ? this.signal.name : `${this.signal.name} [${this.signal.unit}]`, size: 60 }],
-        series: [{ label: "t [s]" }, ...this.signal.lines.map((line, k) => ({ label: line.label, stroke: kColours[k]!, dash: kDashes[k]!, width: 1.5 })), ...over],
+        axes: [{ label: "simulated time [s]" }, { label: named(this.signal.name), size: 60 }],
+        series: [{ label: "t [s]" }, ...this.signal.lines.map((line, k) => ({ label: named(line.label), stroke: kColours[k]!, dash: kDashes[k]!, width: 1.5 })), ...over],
       },
       [[], ...this.labels().map(() => [])] as unknown as uPlot.AlignedData,
       this.place,
@@ -160,7 +161,7 @@ export class Plots {
 
   csv(): string {
     const columns = this.data();
-    const unit = this.signal.unit === "" ? "" : `_${this.signal.unit}`;
+    const unit = this.signal.unit === "" ? "" : `_${this.signal.unit.replace("µ", "u")}`;
     const names = ["time_s", ...this.labels().map((label) => label.replaceAll(/\W+/g, "_") + unit)];
     return [names.join(","), ...columns[0]!.map((_, row) => columns.map((column) => column[row] ?? "").join(","))].join("\n") + "\n";
   }

@@ -294,6 +294,7 @@ export class Scene3d {
     this.fixed.visible = layers.fixed;
     this.updateCube(layers);
     this.updateArrows(layers);
+    this.canvas.dataset.world_s = String(this.world.time_s); // of the bodies' poses that are drawn
     this.canvas.dataset.solid = String(solids);
     this.canvas.dataset.outside = String(outsides);
     this.changed = true;
@@ -340,6 +341,21 @@ export class Scene3d {
     line.setXYZ(1, ...proxy);
     line.needsUpdate = true;
     this.changed = true;
+  }
+
+  // Where a body is drawn: x y z [m], and its rotation x y z w; null: it is left out.
+  drawn(body: number): number[] | null {
+    const index = this.world.indexOf[body]!, matrix = new THREE.Matrix4();
+    for (const group of this.groups)
+      for (const [mesh, bodies] of [[group.solid, group.solidBodies], [group.outside, group.outsideBodies]] as const) {
+        const at = bodies.indexOf(index);
+        if (at < 0) continue;
+        mesh.getMatrixAt(at, matrix);
+        const position = new THREE.Vector3(), rotation = new THREE.Quaternion();
+        matrix.decompose(position, rotation, new THREE.Vector3());
+        return [...position.toArray(), ...rotation.toArray()];
+      }
+    return null;
   }
 
   // The id of the body under a point of the canvas, in CSS pixels; -1: none.
