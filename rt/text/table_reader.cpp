@@ -85,6 +85,14 @@ std::string TableReader::name_of(std::string_view key) const {
   return where_.empty() ? std::string(key) : fmt::format("{} {}", where_, key);
 }
 
+std::string TableReader::table_name_of(std::string_view key) const {
+  std::string name = where_;
+  std::erase_if(name, [](char c) { return c == '[' || c == ']'; });
+  const std::size_t dot = name.rfind('.');
+  if (dot != std::string::npos && name.find_first_not_of("0123456789", dot + 1) == std::string::npos) name.resize(dot);
+  return name.empty() ? std::string(key) : fmt::format("{}.{}", name, key);
+}
+
 void TableReader::mistake(const char* key, std::string what, std::string accepted_text) {
   diagnostics_.add(at(key, std::move(what), std::move(accepted_text)));
 }
@@ -246,7 +254,7 @@ std::span<const TomlNode> TableReader::array(const char* key, std::size_t longes
   mistake(key,
           node->kind == TomlKind::kArray ? fmt::format("{} entries", node->items.size())
                                          : node->shown() + " is not an array",
-          node->kind == TomlKind::kTable ? fmt::format("[[{}]] for each, at most {}", key, longest)
+          node->kind == TomlKind::kTable ? fmt::format("[[{}]] for each, at most {}", table_name_of(key), longest)
                                          : fmt::format("an array of at most {}", longest));
   return {};
 }

@@ -61,6 +61,8 @@ class TableReader {
   // Adds the requested key to Diagnostics::asked, or completes its entry. Only if is_asked_about().
   void note(const char* key, AskedKey question);
   bool is_asked_about() const noexcept { return diagnostics_.asked != nullptr; }
+  // The header of a table in this one: "body.parts" for "parts" of "[body.3]".
+  std::string table_name_of(std::string_view key) const;
   Mistake at(const char* key, std::string what, std::string accepted);
 
   const TomlNode* table_;

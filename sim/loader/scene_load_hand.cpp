@@ -94,7 +94,7 @@ void HandReader::read(text::TableReader hand, HandScript& script, BodyId proxy) 
   } else {
     hand.refuse("interpolation", "there is no file; between the way points of a path the motion is a smooth step",
                 "no such key");
-    hand.refuse("file", "", "");  // it is absent: this only registers it as a known key
+    (void)hand.text("file", "", kLongestFileName);  // absent, but accepted
     unsigned number = 0;
     for (const text::TomlNode& node : hand.array("path", kMaxWaypoints)) read_waypoint(node, ++number);
   }

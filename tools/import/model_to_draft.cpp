@@ -138,10 +138,6 @@ class Translator {
     // There: the largest torque over N, a length. Here: that of a disk, 2/3 mu R.
     if (body.friction > 0) body.contact_radius_m = 1.5 * most.y / body.friction;
     body.rolling_friction_m = most.z;
-    const auto is_cylinder = [this](std::size_t g) { return model_.geoms[g].type == "cylinder"; };
-    if (most.z > 0 && std::ranges::any_of(geoms, is_cylinder))
-      account_.change(
-          fmt::format("{}: rolling friction acts where one point touches, not on a cylinder that lies", name));
   }
 
   std::vector<DraftPart> fixed_mesh(DraftPart part, std::size_t g) {

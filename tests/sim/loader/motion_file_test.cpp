@@ -175,7 +175,7 @@ TEST_CASE("mistakes about a recorded motion name the scene's line and the file's
   CHECK_THAT(folder.wrong("file = \"good.csv\"\n#" + std::string(kMaxSceneBytes - 300, ' ') + "\n"),
              Contains("bytes with what its files hold; accepted: at most 4194304 bytes: fewer rows"));
   CHECK_THAT(folder.wrong("interpolation = \"cubic\"\n"), Contains("interpolation: there is no file"));
-  CHECK_THAT(folder.wrong("fiel = \"m.csv\"\n"), Contains("did you mean file?") && Contains(" file, interpolation, "));
+  CHECK_THAT(folder.wrong("fiel = \"m.csv\"\n"), Contains("did you mean file?") && Contains(" file, mass_kg, "));
   folder.write("away.csv", "time_s,position_x_m,position_y_m,position_z_m\n0,0,0,0\n1,0.1,0,0\n");
   CHECK_THAT(folder.wrong("file = \"away.csv\"\nrepeat = true\n"),
              Contains("[hand] file: repeats, and does not end where it begins"));
