@@ -86,10 +86,9 @@ std::string TableReader::name_of(std::string_view key) const {
 }
 
 std::string TableReader::table_name_of(std::string_view key) const {
-  std::string name = where_;
+  std::string name = table_name(where_);
   std::erase_if(name, [](char c) { return c == '[' || c == ']'; });
-  const std::size_t dot = name.rfind('.');
-  if (dot != std::string::npos && name.find_first_not_of("0123456789", dot + 1) == std::string::npos) name.resize(dot);
+  std::replace(name.begin(), name.end(), ' ', '.');
   return name.empty() ? std::string(key) : fmt::format("{}.{}", name, key);
 }
 

@@ -77,7 +77,7 @@ TEST_CASE("a hand whose thread has ended makes no other blind") {
   CHECK(hands.each[1]->estop());
 }
 
-TEST_CASE("every press reaches the threads of all hands") {
+TEST_CASE("every press reaches the threads of all hands", "[threads]") {
   Hands hands(3);
   constexpr unsigned kPresses = 200;
   std::atomic<bool> done{false};

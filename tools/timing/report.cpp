@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tools/timing/plot.h"
@@ -28,6 +29,8 @@ ordered_json times_json(const Histogram& h) {
           {"max_us", us(h.max_ns())}};
 }
 
+std::string four_digits(double value) { return fmt::format("{:.{}f}", value, std::abs(value) < 999.95 ? 1 : 0); }
+
 // The rows on times first, then the findings of the rules of a run.
 std::string verdict_line(const TimingResult& r) {
   const TimingVerdict verdict = r.verdict();
@@ -37,8 +40,8 @@ std::string verdict_line(const TimingResult& r) {
   for (const VerdictRow& row : r.rows) {
     if (row.good() || row.ours != bad) continue;
     if (row.found.empty())
-      return fmt::format("{}: {} {:.1f}, at most {:.1f}{}{}{}", bad ? "BAD" : "THE MACHINE", row.figure, row.measured,
-                         row.limit, row.unit.empty() ? "" : " ", row.unit,
+      return fmt::format("{}: {} {}, at most {}{}{}{}", bad ? "BAD" : "THE MACHINE", row.figure,
+                         four_digits(row.measured), four_digits(row.limit), row.unit.empty() ? "" : " ", row.unit,
                          bad ? "" : "; the program lost no tick to its own work");
     if (found.empty()) found = row.found;
   }

@@ -73,7 +73,7 @@ TEST_CASE("what one hand is asked for is not asked of the other") {
   CHECK((bench.hands[1].driver->output().status & kNotArmed) == 0);
 }
 
-TEST_CASE("a tick, or a cycle, is one of all hands") {
+TEST_CASE("a tick, or a cycle, is one of all hands", "[threads]") {
   Bench bench;
   bench.pacing.playing = false;
   bench.pacing.ticks = 3;
