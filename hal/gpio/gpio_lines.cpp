@@ -118,18 +118,24 @@ bool GpioLines::read_estop_level() noexcept {
   return value != 0;
 }
 
+int GpioLines::read_estop_edges(gpiod_line_event* edges) noexcept {
+  const int count = gpiod_line_event_read_multiple(line_of(estop_), edges, kQueuedEdges);
+  if (count >= 0) {
+    edges_.fetch_add(static_cast<unsigned>(count), std::memory_order_relaxed);
+    return count;
+  }
+  if (errno == EAGAIN) return 0;  // none
+  count_failed_read();
+  return -1;
+}
+
 bool GpioLines::estop_level() noexcept { return estop_ != nullptr && read_estop_level(); }
 
 bool GpioLines::estop_edge() noexcept {
   if (estop_ == nullptr) return false;
   std::array<gpiod_line_event, kQueuedEdges> edges;
-  const int count = gpiod_line_event_read_multiple(line_of(estop_), edges.data(), kQueuedEdges);
-  if (count < 0) {
-    if (errno == EAGAIN) return false;
-    count_failed_read();
-    return true;
-  }
-  edges_.fetch_add(static_cast<unsigned>(count), std::memory_order_relaxed);
+  const int count = read_estop_edges(edges.data());
+  if (count < 0) return true;
   return std::any_of(edges.begin(), edges.begin() + count, [](const gpiod_line_event& edge) {
     return edge.event_type == GPIOD_LINE_EVENT_RISING_EDGE;  // of the logical level
   });
@@ -138,18 +144,13 @@ bool GpioLines::estop_edge() noexcept {
 bool GpioLines::estop() noexcept {
   if (estop_ == nullptr) return false;
   std::array<gpiod_line_event, kQueuedEdges> edges;
-  const int count = gpiod_line_event_read_multiple(line_of(estop_), edges.data(), kQueuedEdges);
-  if (count < 0) {
-    if (errno == EAGAIN) return estop_active_;
-    count_failed_read();
-    return true;
-  }
+  const int count = read_estop_edges(edges.data());
+  if (count < 0) return true;
   bool was_active = estop_active_;
   for (unsigned i = 0; i < static_cast<unsigned>(count); ++i) {
     estop_active_ = edges[i].event_type == GPIOD_LINE_EVENT_RISING_EDGE;  // of the logical level
     was_active = was_active || estop_active_;
   }
-  edges_.fetch_add(static_cast<unsigned>(count), std::memory_order_relaxed);
   // A full queue may have lost the newest edges: read the present level.
   if (static_cast<unsigned>(count) == kQueuedEdges) estop_active_ = read_estop_level();
   return was_active || estop_active_;

@@ -18,6 +18,8 @@
 
 #include "hal/gpio/gpio_options.h"
 
+struct gpiod_line_event;  // of libgpiod
+
 namespace tactus::hal {
 
 struct GpioCounters {
@@ -62,6 +64,8 @@ class GpioLines {
   Status request_estop(const GpioLine& line);
   Status request_output(const GpioLine& line, const char* purpose, Output& output);
   bool read_estop_level() noexcept;
+  // The edges since the last read, at most kQueuedEdges, into `edges`; -1 if they cannot be read. Counts them.
+  int read_estop_edges(gpiod_line_event* edges) noexcept;
   void count_failed_read() noexcept { read_failed_.fetch_add(1, std::memory_order_relaxed); }
   void set(Output& output, bool active) noexcept;
 

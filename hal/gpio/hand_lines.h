@@ -1,8 +1,8 @@
 // The host's GPIO lines as each of several hands has them: one set of lines, a haptic thread for each hand.
 //
-//   estop       stops every hand. Each thread reads the level itself in each of its ticks, so a thread that hangs or
-//   has
-//               ended makes no other blind; what was pressed between two ticks is told to all, at their next tick.
+//   estop       stops every hand. Each thread reads the level itself in each of its ticks, so a thread that
+//               hangs or has ended makes no other blind. What was pressed between two ticks is told to all, at their
+//               next tick.
 //   enable      active while any hand wants force: a fault of one takes no force from the others
 //   probe       of the first hand
 //   heartbeat   toggles when every hand has ticked since it last did: it stops with any of the threads

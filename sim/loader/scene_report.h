@@ -63,7 +63,7 @@ struct CapacityReport {
   unsigned member_cap{0}, members_possible{0};  // members_possible: dynamic bodies, at most the cap
   double contacts_per_body{0};                  // at the start
   unsigned sub_world_contacts{0};               // members_possible x contacts_per_body, rounded up: an estimate
-  unsigned global_contacts{0};                  // room for contacts in the global world
+  unsigned global_contacts{0};                  // the global world's capacity for contacts
   unsigned global_sub_steps{0};                 // of one global step
 };
 

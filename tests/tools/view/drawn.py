@@ -44,18 +44,7 @@ UNITS = {"force": "N", "energy at the ports": "J", "counts": None, "deepest over
          "whole tick": "µs", "force age": "µs"}
 
 
-class InPage(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.browser = in_browser.open_browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.quit()
-
-    def text(self, name):
-        return self.browser.execute_script("return document.getElementById(arguments[0]).textContent", name)
-
+class InPage(in_browser.BrowserTest):
     def open(self, viewer, state="live: "):
         self.browser.get("about:blank")
         self.browser.get_log("browser")

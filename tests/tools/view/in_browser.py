@@ -29,6 +29,21 @@ def open_browser():
     return webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
 
 
+class BrowserTest(unittest.TestCase):
+    """Tests that share a browser, each with a run of its own."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = open_browser()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.quit()
+
+    def text(self, name):
+        return self.browser.execute_script("return document.getElementById(arguments[0]).textContent", name)
+
+
 class Blank(http.server.BaseHTTPRequestHandler):
     """An empty page."""
 

@@ -23,18 +23,7 @@ SHIFTED_RAD = 80 * 0.008  # what 80 pixels turn
 CARDS = os.path.join(SCENES, "card_house.toml")
 
 
-class Steered(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.browser = in_browser.open_browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.quit()
-
-    def text(self, name):
-        return self.browser.execute_script("return document.getElementById(arguments[0]).textContent", name)
-
+class Steered(in_browser.BrowserTest):
     def open(self, run):
         self.browser.get("about:blank")
         self.browser.get(run.address)
