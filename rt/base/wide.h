@@ -59,7 +59,9 @@ struct Wide {
   TACTUS_INLINE friend Mask operator<=(Wide a, Wide b) noexcept { return a.v <= b.v; }
 
   TACTUS_INLINE friend Wide select(Mask which, Wide yes, Wide no) noexcept { return of(which ? yes.v : no.v); }
-  TACTUS_INLINE friend Wide abs(Wide a) noexcept { return of((a.v < Native{} ? -a.v : a.v) + Native{}); }
+  TACTUS_INLINE friend Wide abs(Wide a) noexcept {
+    return of(reinterpret_cast<Native>(reinterpret_cast<Mask>(a.v) & ~reinterpret_cast<Mask>(-Native{})));
+  }
   TACTUS_INLINE friend Wide sqrt(Wide a) noexcept {
 #if defined(__AVX__)
     if constexpr (sizeof(Native) == 32 && sizeof(T) == 4) return of(__builtin_ia32_sqrtps256(a.v));

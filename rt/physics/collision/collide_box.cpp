@@ -4,55 +4,24 @@
 // preferred to an edge axis, and the axis of the last step to any other, so that the manifold does not alternate. If
 // two faces lean against each other and meet at their edges, the normal is between their normals.
 #include <algorithm>
-#include <limits>
+#include <cstring>
 
+#include "rt/physics/collision/box_axes.h"
 #include "rt/physics/collision/box_clip.h"
-#include "rt/physics/collision/collide.h"
+#include "rt/physics/collision/collide_boxes.h"
 #include "rt/physics/shapes/segments.h"
 
 namespace tactus::physics {
 namespace {
 
-// Axis codes, as in AxisCache: 0 none, 1..3 faces of A, 4..6 faces of B, 7..15 edge of A x edge of B.
-constexpr int kFirstFaceB = 4, kFirstEdge = 7;
-
-struct BoxPair {
+struct BoxPair : BoxAxes<double> {
   const PairView& pair;
-  Vec3d axis_a[3], axis_b[3];   // of the bodies, in the world
-  double h[6];                  // m, half extents of A, of B
-  double d_a[3], d_b[3];        // m, centre of B from the centre of A, in A's axes, in B's axes
-  double r[3][3], abs_r[3][3];  // r[i][j] = axis_a[i] . axis_b[j]
-
-  explicit BoxPair(const PairView& view) noexcept : pair(view) {
-    const Axes a = axes_of(view.world_from_a), b = axes_of(view.world_from_b);
-    axis_a[0] = a.x;
-    axis_a[1] = a.y;
-    axis_a[2] = a.z;
-    axis_b[0] = b.x;
-    axis_b[1] = b.y;
-    axis_b[2] = b.z;
-    const Vec3d &ha = view.a.half_extents, &hb = view.b.half_extents;
-    h[0] = ha.x;
-    h[1] = ha.y;
-    h[2] = ha.z;
-    h[3] = hb.x;
-    h[4] = hb.y;
-    h[5] = hb.z;
-    for (int i = 0; i < 3; ++i) {
-      d_a[i] = dot(axis_a[i], pair.b_from_a);
-      d_b[i] = dot(axis_b[i], pair.b_from_a);
-      for (int j = 0; j < 3; ++j) {
-        r[i][j] = dot(axis_a[i], axis_b[j]);
-        abs_r[i][j] = std::abs(r[i][j]);
-      }
-    }
-  }
 
   // Gap between the projections of the boxes onto the unit vector n.
   double separation_along(const Vec3d& n) const noexcept {
     double reach = 0.0;
     for (int i = 0; i < 3; ++i) reach += h[i] * std::abs(dot(axis_a[i], n)) + h[3 + i] * std::abs(dot(axis_b[i], n));
-    return std::abs(dot(n, pair.b_from_a)) - reach;
+    return std::abs(dot(n, b_from_a)) - reach;
   }
 };
 
@@ -65,81 +34,7 @@ Vec3d edge_axis(const BoxPair& boxes, int code) noexcept {
   return cross(boxes.axis_a[(code - kFirstEdge) / 3], boxes.axis_b[(code - kFirstEdge) % 3]);
 }
 
-Vec3d towards_b(const BoxPair& boxes, const Vec3d& n) noexcept { return dot(n, boxes.pair.b_from_a) < 0.0 ? -n : n; }
-
-// Results for the 15 axes. `apart`: an axis whose gap exceeds the margin, or 0. If set, `gap` is its gap and `sine` the
-// sine of the angle between its two edges, 1 for a face axis.
-struct AxisTest {
-  int apart{0};
-  double gap{}, sine{1};
-  double face[6];  // by code - 1
-  int widest{0};   // code of the best face
-  int edge{0};     // best edge axis, or 0
-  double edge_separation{};
-};
-
-AxisTest test_axes(const BoxPair& b) noexcept {
-  AxisTest test;
-  const double margin = b.pair.margin;
-  for (int i = 0; i < 3; ++i) {
-    test.face[i] =
-        std::abs(b.d_a[i]) - b.h[i] - (b.abs_r[i][0] * b.h[3] + b.abs_r[i][1] * b.h[4] + b.abs_r[i][2] * b.h[5]);
-    test.face[3 + i] =
-        std::abs(b.d_b[i]) - b.h[3 + i] - (b.abs_r[0][i] * b.h[0] + b.abs_r[1][i] * b.h[1] + b.abs_r[2][i] * b.h[2]);
-  }
-  // Of several axes beyond the margin takes the widest gap, which stays valid longest; the lower code on a tie. A NaN
-  // counts as apart.
-  int widest = 0;
-  bool within = true;
-  for (int k = 0; k < 6; ++k) {
-    within = within && test.face[k] <= margin;
-    if (test.face[k] > test.face[widest]) widest = k;
-  }
-  test.widest = 1 + widest;
-  if (!within) {
-    test.apart = test.widest;
-    test.gap = test.face[widest];
-    return test;
-  }
-  for (int i = 0; i < 3; ++i) {
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    for (int j = 0; j < 3; ++j) {
-      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      const double sine_squared = b.r[i1][j] * b.r[i1][j] + b.r[i2][j] * b.r[i2][j];
-      if (!(sine_squared > kParallelSineSquared)) continue;
-      const double reach = b.h[i1] * b.abs_r[i2][j] + b.h[i2] * b.abs_r[i1][j] + b.h[3 + j1] * b.abs_r[i][j2] +
-                           b.h[3 + j2] * b.abs_r[i][j1];
-      const double separation =
-          (std::abs(b.d_a[i2] * b.r[i1][j] - b.d_a[i1] * b.r[i2][j]) - reach) / std::sqrt(sine_squared);
-      const int code = kFirstEdge + 3 * i + j;
-      if (separation > margin) {
-        test.apart = code;
-        test.gap = separation;
-        test.sine = std::sqrt(sine_squared);
-        return test;
-      }
-      if (test.edge == 0 || separation > test.edge_separation) {
-        test.edge = code;
-        test.edge_separation = separation;
-      }
-    }
-  }
-  return test;
-}
-
-// Fills the gap and the lever arm with which it shrinks (manifold.h). The gap along the unit vector n is
-//   |n.d| - sum h |a.n| - sum h |b.n|:
-// it changes by at most |d| + |h_a| + |h_b| per change of n, and by |h| per angle of a box. A face's n rotates with its
-// box; an edge axis, w / |w| with w = a x b, changes by at most 2 / sine of the angle. The gap is limited to a quarter
-// of the size: until it is used up |d| has grown by at most that, and the edges rotate by too little to become
-// parallel.
-void bound_gap(const BoxPair& boxes, const AxisTest& test, Manifold& manifold) noexcept {
-  constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
-  if (!(test.gap > 0.0) || !(test.sine > 0.1)) return;
-  const double size = norm(boxes.pair.b_from_a) + norm(boxes.pair.a.half_extents) + norm(boxes.pair.b.half_extents);
-  manifold.gap = std::min({test.gap, 0.25 * size, kLargestGap}) - rounding * size / test.sine;
-  manifold.lever_arm = 1.25 * size * (test.apart < kFirstEdge ? 1.0 : 3.0 / test.sine);
-}
+Vec3d towards_b(const BoxPair& boxes, const Vec3d& n) noexcept { return dot(n, boxes.b_from_a) < 0.0 ? -n : n; }
 
 // Chooses the face with the largest separation, or the last step's if it is about as good. Otherwise, of the faces that
 // are about as good as the best, the one across which its box is thinnest (the lower code on a tie): if two cards meet
@@ -240,7 +135,7 @@ void add_face_points(const BoxPair& boxes, const FaceFrame& f, ClipPolygon& poly
   for (std::uint32_t n = 0; n < polygon.count; ++n) {
     const ClipPoint& p = polygon.points[n];
     const Vec3d mid = f.axis[f.i] * (f.sign * (f.h[f.i] + 0.5 * p.w)) + f.axis[f.u] * p.u + f.axis[f.v] * p.v;
-    add_point(boxes.pair, manifold, f.on_a ? mid : mid + boxes.pair.b_from_a, p.w, face | p.id);
+    add_point(boxes.pair, manifold, f.on_a ? mid : mid + boxes.b_from_a, p.w, face | p.id);
   }
 }
 
@@ -255,7 +150,7 @@ Vec3d nearest_in_box(const Vec3d* axis, const double* h, const Vec3d& point) noe
 void add_closest_point(const BoxPair& boxes, const Vec3d& normal, double separation, double bound,
                        Manifold& manifold) noexcept {
   constexpr int kRounds = 8;
-  const Vec3d& offset = boxes.pair.b_from_a;
+  const Vec3d& offset = boxes.b_from_a;
   Vec3d on_a = nearest_in_box(boxes.axis_a, boxes.h, offset), on_b;
   for (int round = 0; round < kRounds; ++round) {
     on_b = offset + nearest_in_box(boxes.axis_b, boxes.h + 3, on_a - offset);
@@ -327,7 +222,7 @@ bool add_edges_above_face(const BoxPair& boxes, int face, const Vec3d& n, double
 // Adds the midpoint of the closest points of the two edges that face each other along the axis `n`.
 void add_edge_contact(const BoxPair& boxes, int code, const Vec3d& n, double separation, Manifold& manifold) noexcept {
   const int i = (code - kFirstEdge) / 3, j = (code - kFirstEdge) % 3;
-  Vec3d centre_a, centre_b = boxes.pair.b_from_a;
+  Vec3d centre_a, centre_b = boxes.b_from_a;
   std::uint32_t sides = 0;
   for (int k = 0; k < 3; ++k) {
     const bool plus_a = dot(boxes.axis_a[k], n) > 0.0, plus_b = dot(boxes.axis_b[k], n) < 0.0;
@@ -358,17 +253,9 @@ int flush_face(const BoxPair& boxes, const AxisTest& test, double gap) noexcept 
   return 0;
 }
 
-}  // namespace
-
-void collide_box_box(const PairView& pair, Manifold& manifold, AxisCache& cache) noexcept {
+// The manifold of a pair that no axis separates.
+void collide_near(const BoxPair& boxes, const AxisTest& test, Manifold& manifold, AxisCache& cache) noexcept {
   const int cached = cache.axis;
-  const BoxPair boxes(pair);
-  const AxisTest test = test_axes(boxes);
-  if (test.apart != 0) {
-    bound_gap(boxes, test, manifold);
-    cache.axis = static_cast<std::uint8_t>(test.apart);
-    return;
-  }
   const double widest = test.face[test.widest - 1];
   const double bound = test.edge != 0 ? std::max(widest, test.edge_separation) : widest;
   if (const int over = flush_face(boxes, test, bound)) {
@@ -390,6 +277,85 @@ void collide_box_box(const PairView& pair, Manifold& manifold, AxisCache& cache)
   cache.axis = static_cast<std::uint8_t>(face);
   add_face_contact(boxes, face, face_separation, bound, manifold);
   round_edges(boxes, test, face, manifold);
+}
+
+// Four bodies, one a lane.
+using V = Register<double>;
+constexpr std::size_t kLaneCount = kBoxPairs;
+static_assert(kLaneCount == static_cast<std::size_t>(kLanes<V>) && sizeof(BodyFrame) == 3 * sizeof(V));
+
+struct Body4 {
+  Vec3<V> position;
+  BoxFrame<V> frame;
+};
+
+TACTUS_INLINE V load_part(const BodyFrame& frame, std::size_t part) noexcept {
+  V::Native out;
+  std::memcpy(&out, reinterpret_cast<const char*>(&frame) + part * sizeof(out), sizeof(out));
+  return V::of(out);
+}
+
+// The frame and the half extents that `frame_of(lane)` and `half_of(lane)` return.
+template <class FrameOf, class HalfOf>
+TACTUS_INLINE Body4 load_bodies(FrameOf frame_of, HalfOf half_of) noexcept {
+  const BodyFrame &f = frame_of(0), &g = frame_of(1), &k = frame_of(2), &l = frame_of(3);
+  V m[3][4] = {{load_part(f, 0), load_part(g, 0), load_part(k, 0), load_part(l, 0)},
+               {load_part(f, 1), load_part(g, 1), load_part(k, 1), load_part(l, 1)},
+               {load_part(f, 2), load_part(g, 2), load_part(k, 2), load_part(l, 2)}};
+  for (auto& rows : m) transpose(rows);
+  const auto half = [&](double Vec3d::*c) noexcept {
+    return V::of(V::Native{half_of(0).*c, half_of(1).*c, half_of(2).*c, half_of(3).*c});
+  };
+  return {.position = {m[0][0], m[0][1], m[0][2]},
+          .frame = {.axis = {{m[0][3], m[1][0], m[1][1]}, {m[1][2], m[1][3], m[2][0]}, {m[2][1], m[2][2], m[2][3]}},
+                    .half = {half(&Vec3d::x), half(&Vec3d::y), half(&Vec3d::z)}}};
+}
+
+}  // namespace
+
+void collide_box_box(const PairView& pair, Manifold& manifold, AxisCache& cache) noexcept {
+  const auto frame_of = [](const Quatd& world_from_box, const Shape& box) noexcept {
+    const Axes axes = axes_of(world_from_box);
+    return BoxFrame<double>{{axes.x, axes.y, axes.z}, box.half_extents};
+  };
+  const BoxPair boxes{box_axes(frame_of(pair.world_from_a, pair.a), frame_of(pair.world_from_b, pair.b), pair.b_from_a),
+                      pair};
+  const auto test = test_axes<double>(boxes, pair.margin);
+  if (!(test.apart > 0.0)) return collide_near(boxes, pair_of_lane(test, 0), manifold, cache);
+  const GapBound<double> bound = bound_gap<double>(boxes, test);
+  manifold.gap = bound.gap;
+  manifold.lever_arm = bound.lever_arm;
+  cache.axis = static_cast<std::uint8_t>(test.apart);
+}
+
+void collide_boxes(std::span<const BoxPairQuery> pairs) noexcept {
+  const auto pair_in = [pairs](std::size_t lane) noexcept -> const BoxPairQuery& {
+    return pairs[lane < pairs.size() ? lane : 0];
+  };
+  const Body4 a = load_bodies(
+      [&](std::size_t lane) noexcept -> auto& { return pair_in(lane).frame_a; },
+      [&](std::size_t lane) noexcept -> auto& { return pair_in(lane).a.shape.half_extents; });
+  const Body4 b = load_bodies(
+      [&](std::size_t lane) noexcept -> auto& { return pair_in(lane).frame_b; },
+      [&](std::size_t lane) noexcept -> auto& { return pair_in(lane).b.shape.half_extents; });
+  const V margin = V::of(
+      V::Native{pair_in(0).query.margin, pair_in(1).query.margin, pair_in(2).query.margin, pair_in(3).query.margin});
+  const BoxAxes<V> boxes = box_axes(a.frame, b.frame, b.position - a.position);
+  const auto test = test_axes(boxes, margin);
+  const GapBound<V> bound = bound_gap(boxes, test);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const BoxPairQuery& pair = pairs[k];
+    const int lane = static_cast<int>(k);
+    const int apart = static_cast<int>(test.apart[lane]);
+    pair.manifold.count = 0;
+    pair.manifold.gap = apart != 0 ? bound.gap[lane] : 0.0;
+    pair.manifold.lever_arm = apart != 0 ? bound.lever_arm[lane] : 0.0;
+    if (apart != 0)
+      pair.cache.axis = static_cast<std::uint8_t>(apart);
+    else
+      collide_near({pair_of_lane(boxes, lane), pair_view(pair.a, pair.b, pair.query)}, pair_of_lane(test, lane),
+                   pair.manifold, pair.cache);
+  }
 }
 
 }  // namespace tactus::physics

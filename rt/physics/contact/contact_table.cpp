@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rt/physics/collision/collide_boxes.h"
 #include "rt/physics/collision/collide_mesh.h"
 #include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/mesh_reach.h"
@@ -241,6 +242,45 @@ Manifold ContactTable::compare(const Scene& scene, Search& search) const noexcep
   return manifold;
 }
 
+// As compare, for up to kBoxPairs searches of two boxes; their manifolds go to manifolds_.
+void ContactTable::compare_boxes(const Scene& scene, std::span<const std::uint32_t> searches) noexcept {
+  const auto query_of = [&](std::size_t k) noexcept -> BoxPairQuery {
+    const std::uint32_t index = searches[k < searches.size() ? k : 0];
+    Search& search = searches_[index];
+    const Pair& pair = pairs_[search.pair];
+    const bool with_fixed = pair.key.with_fixed();
+    return {.a = posed_shape(scene.bodies[pair.a]),
+            .b = posed_shape(with_fixed ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b]),
+            .frame_a = scene.frames[pair.a],
+            .frame_b = with_fixed ? scene.fixed_frames[pair.b] : scene.frames[pair.b],
+            .query = search.query,
+            .cache = search.axis_cache,
+            .manifold = manifolds_[index]};
+  };
+  const std::array<BoxPairQuery, kBoxPairs> queries{query_of(0), query_of(1), query_of(2), query_of(3)};
+  collide_boxes(std::span(queries).first(searches.size()));
+}
+
+// Makes the searches from `first` to before `end`.
+void ContactTable::search(const Scene& scene, std::uint32_t first, std::uint32_t end) noexcept {
+  FixedVector<std::uint32_t, kBoxPairs> boxes;
+  const auto compare_listed = [&]() noexcept {
+    if (boxes.size() > 0) compare_boxes(scene, {boxes.begin(), boxes.size()});
+    boxes.clear();
+  };
+  for (std::uint32_t k = first; k < end; ++k) {
+    const Pair& pair = pairs_[searches_[k].pair];
+    const Shape& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b].shape : scene.bodies[pair.b].shape;
+    if (scene.bodies[pair.a].shape.kind != ShapeKind::kBox || b.kind != ShapeKind::kBox) {
+      manifolds_[k] = compare(scene, searches_[k]);
+      continue;
+    }
+    (void)boxes.try_push(k);  // fits: emptied when full
+    if (boxes.size() == kBoxPairs) compare_listed();
+  }
+  compare_listed();
+}
+
 // Carries the next contact over and updates its points to the bodies' present poses.
 void ContactTable::keep(Walk& walk, const Visit& visit) noexcept {
   const Pair& pair = pairs_[visit.pair];
@@ -277,17 +317,18 @@ Contact* ContactTable::place(Walk& walk) noexcept {
 
 void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& search, Manifold& manifold) noexcept {
   Pair& pair = pairs_[visit.pair];
+  const auto set_apart = [&]() noexcept {
+    pair.gap = manifold.gap;
+    pair.lever_arm = manifold.lever_arm;
+  };
+  if (manifold.count == 0) return set_apart();
   const bool with_fixed = pair.key.with_fixed();
   // The search was for what the bodies may close in any direction; now the direction is known.
   const MotionBound& bound_b = with_fixed ? kStill : walk.scene.motion_bounds[pair.b];
   const double closing = closing_along(manifold.normal, walk.scene.motion_bounds[pair.a], bound_b, walk.settings);
   const double margin = std::min(search.query.margin, margin_for(pair.patch.count > 0, closing, walk.settings));
   drop_points_beyond(margin, manifold);
-  if (manifold.count == 0) {
-    pair.gap = manifold.gap;
-    pair.lever_arm = manifold.lever_arm;
-    return;
-  }
+  if (manifold.count == 0) return set_apart();
   const Sides sides = sides_of(walk.scene, pair);
   const Body &a = sides.a, &b = sides.b;
   if (search.known) walk.replaced = walk.old[visit.old];
@@ -405,20 +446,16 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
   for (std::uint32_t next = 0; next < pairs_.size();) {
     walk.visits = walk.searches = 0;
     for (const std::uint32_t end = std::min(next + kStretch, pairs_.size()); next < end; ++next) visit(walk, next);
-    if (executor.shares())
-      executor.for_each_range(walk.searches, kMinSearches, [&](std::uint32_t k, std::uint32_t end) noexcept {
-        for (; k < end; ++k) manifolds_[k] = compare(scene, searches_[k]);
-      });
+    executor.for_each_range(walk.searches, kMinSearches,
+                            [&](std::uint32_t first, std::uint32_t end) noexcept { search(scene, first, end); });
     walk.searched += walk.searches;
     for (const Search& search : searches_.span().first(walk.searches))
       walk.comparisons += comparisons_in(scene, search);
     for (const Visit& visit : visits_.span().first(walk.visits)) {
       if (visit.search == kCarryOver)
         keep(walk, visit);
-      else if (Search& search = searches_[visit.search]; executor.shares())
-        take_found(walk, visit, search, manifolds_[visit.search]);
       else
-        take_found(walk, visit, search, manifolds_[visit.search] = compare(scene, search));
+        take_found(walk, visit, searches_[visit.search], manifolds_[visit.search]);
     }
   }
   if (walk.contacts != contacts_.begin()) {

@@ -111,6 +111,8 @@ class ContactTable {
   Sides sides_of(const Scene& scene, const Pair& pair) const noexcept;
   std::uint32_t comparisons_in(const Scene& scene, const Search& search) const noexcept;
   Manifold compare(const Scene& scene, Search& search) const noexcept;
+  void compare_boxes(const Scene& scene, std::span<const std::uint32_t> searches) noexcept;
+  void search(const Scene& scene, std::uint32_t first, std::uint32_t end) noexcept;
   void keep(Walk& walk, const Visit& visit) noexcept;
   void take_found(Walk& walk, const Visit& visit, const Search& search, Manifold& manifold) noexcept;
   Contact* place(Walk& walk) noexcept;
@@ -122,7 +124,7 @@ class ContactTable {
   std::uint32_t pairs_dropped_{0};
   BoundedVector<Visit> visits_;                                   // of the present block of pairs
   BoundedVector<Search> searches_;                                // same
-  BoundedVector<Manifold> manifolds_;                             // by search, if an executor shares them
+  BoundedVector<Manifold> manifolds_;                             // by search
   BoundedVector<Contact> contacts_, last_;                        // by key
   BoundedVector<ContactReference> references_, last_references_;  // of contacts_, of last_
   BoundedVector<Contact> beyond_;                                 // contacts beyond the capacity, by key
