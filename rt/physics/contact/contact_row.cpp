@@ -168,16 +168,21 @@ TACTUS_INLINE void apply(const ContactRow<V>& c, BodyLanes<V>& a, BodyLanes<V>& 
   }
 }
 
+// The bodies of both sides; B is not read if it is fixed.
+template <class V>
+struct Sides {
+  BodyLanes<V> a, b;
+};
+
 // kPoses: also reads the bodies' motion since the start of the step.
 template <bool kFixed, bool kPoses, class V>
-TACTUS_INLINE void gather(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies, BodyLanes<V>& a,
-                          BodyLanes<V>& b) noexcept {
+TACTUS_INLINE Sides<V> gather(const ContactRow<V>& row, const SolverBodies<LaneOf<V>>& bodies) noexcept {
   const auto read = [&](const std::uint32_t(&slots)[kLanes<V>]) noexcept {
     if constexpr (kPoses) return BodyLanes<V>::read(bodies.motion.data(), slots);
     return BodyLanes<V>::read_velocities(bodies.motion.data(), slots);
   };
-  a = read(row.a);
-  if constexpr (!kFixed) b = read(row.b);
+  if constexpr (kFixed) return {read(row.a), {}};
+  return {read(row.a), read(row.b)};
 }
 
 template <bool kFixed, class V>
@@ -304,8 +309,7 @@ void warm_start(const ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies) n
     rubbed.t2 += f2;
     rubbed.mn += x * f2 - y * f1;
   }
-  BodyLanes<V> a, b;
-  gather<kFixed, false>(c, bodies, a, b);
+  auto [a, b] = gather<kFixed, false>(c, bodies);
   apply<kFixed>(c, a, b, pressed.n * c.n + rubbed.t1 * c.t1 + rubbed.t2 * c.t2,
                 pressed.m1 * c.t1 + pressed.m2 * c.t2 + rubbed.mn * c.n);
   scatter<kFixed>(c, bodies, a, b);
@@ -313,8 +317,7 @@ void warm_start(const ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies) n
 
 template <bool kBias, bool kFixed, bool kFriction, bool kTotals, bool kBackwards, class V>
 void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule) noexcept {
-  BodyLanes<V> a, b;
-  gather<kFixed, !kBias>(c, bodies, a, b);
+  auto [a, b] = gather<kFixed, !kBias>(c, bodies);
   if constexpr (!kBias) update_gaps<kFixed>(c, a, b);
   Vec3<V> v = -(a.v + cross(a.w, c.c_a)), w = -a.w;
   if constexpr (!kFixed) {
