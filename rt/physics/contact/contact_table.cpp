@@ -19,11 +19,22 @@ void scale_impulses(ContactPoint& point, double factor) noexcept {
   point.tangent_impulse[1] *= factor;
 }
 
-// Nearest point of the contact; `from_a`: from the centre of A.
-ContactPoint& nearest_point(Contact& contact, const Vec3d& from_a) noexcept {
-  const auto distance = [&](const ContactPoint& p) noexcept { return norm_squared(p.from_a - from_a); };
-  return *std::min_element(contact.points.begin(), contact.points.begin() + contact.count,
-                           [&](const auto& p, const auto& q) { return distance(p) < distance(q); });
+// Index of the manifold's point nearest to `from_a`, from the centre of A.
+std::uint32_t nearest_point(const Manifold& manifold, const Vec3d& from_a) noexcept {
+  const auto distance = [&](const ManifoldPoint& p) noexcept { return norm_squared(p.from_a - from_a); };
+  const auto first = manifold.points.begin();
+  const auto nearest = std::min_element(first, first + manifold.count,
+                                        [&](const auto& p, const auto& q) { return distance(p) < distance(q); });
+  return static_cast<std::uint32_t>(nearest - first);
+}
+
+constexpr std::uint32_t kNoPoint = kMaxManifoldPoints;
+
+// Index of the manifold's point with the feature, or kNoPoint.
+std::uint32_t point_of(const Manifold& manifold, std::uint32_t feature) noexcept {
+  for (std::uint32_t i = 0; i < manifold.count; ++i)
+    if (manifold.points[i].feature == feature) return i;
+  return kNoPoint;
 }
 
 LastFeatures features_of(const Contact* last, const WarmStart* given) noexcept {
@@ -71,7 +82,6 @@ struct ContactTable::Walk {
   std::uint32_t last_pair{0}, old_seen{0}, given{0};
   std::uint32_t visits{0}, searches{0};       // of the present block of pairs
   std::uint32_t searched{0}, comparisons{0};  // as in StepReport
-  Contact replaced{};                         // contact of the last step that is being overwritten
 };
 
 ContactTable::ContactTable(const Capacities& capacities)
@@ -331,9 +341,10 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   if (manifold.count == 0) return set_apart();
   const Sides sides = sides_of(walk.scene, pair);
   const Body &a = sides.a, &b = sides.b;
-  if (search.known) walk.replaced = walk.old[visit.old];
+  const StartImpulses start =
+      start_impulses(walk, search.known ? &walk.old[visit.old] : nullptr, search.given, manifold);
   walk.old_next = visit.old + (search.known ? 1 : 0);
-  Contact& contact = *place(walk);
+  Contact& contact = *place(walk);  // in place of the last step's contact, if there was one
   contact.key = pair.key;
   contact.slot_a = pair.a;
   contact.slot_b = pair.b;
@@ -347,13 +358,16 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   for (std::uint32_t i = 0; i < manifold.count; ++i) {
     const ManifoldPoint& made = manifold.points[i];
     ContactPoint& point = contact.points[i];
-    point = {};
     point.from_a = made.from_a;
     point.from_b = made.from_b;
     point.separation = made.separation;
     point.feature = made.feature;
+    point.normal_impulse = start[i].normal;
+    point.tangent_impulse[0] = start[i].tangent[0];
+    point.tangent_impulse[1] = start[i].tangent[1];
+    point.total_normal_impulse = 0.0;
+    point.total_friction = {};
   }
-  start_impulses(walk, search.known ? &walk.replaced : nullptr, search.given, contact);
   if (walk.written == 0 || &contact != &walk.contacts[walk.written - 1]) return;  // beyond the capacity
   ContactReference& reference = walk.references[walk.written - 1];
   reference.tolerance = 0.0;
@@ -365,40 +379,37 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   store_anchors(contact, walk.scene.frames[pair.a], frame_b, reference);
 }
 
-// Starts the contact with the impulses of the same features in the last step, or else with those given. If a point of
-// the last step is not chosen again, the nearest point takes its impulse, so that a stack does not drop when the choice
-// of its corners changes.
-void ContactTable::start_impulses(const Walk& walk, const Contact* last, const WarmStart* given,
-                                  Contact& contact) const noexcept {
-  if (last == nullptr && given == nullptr) return;
-  const Tangents<double> now = tangents_of(contact.normal);
-  const auto add = [&now](ContactPoint& point, double normal, const Vec3d& friction) noexcept {
-    point.normal_impulse += normal;
-    point.tangent_impulse[0] += dot(friction, now.t1);
-    point.tangent_impulse[1] += dot(friction, now.t2);
-  };
-  const auto point_of = [&contact](std::uint32_t feature) noexcept -> ContactPoint* {
-    for (std::uint32_t i = 0; i < contact.count; ++i)
-      if (contact.points[i].feature == feature) return &contact.points[i];
-    return nullptr;
+// The impulses with which the manifold's points start: those of the same features in the last step, or else those
+// given. If a point of the last step is not chosen again, the nearest point takes its impulse, so that a stack does not
+// drop when the choice of its corners changes.
+ContactTable::StartImpulses ContactTable::start_impulses(const Walk& walk, const Contact* last, const WarmStart* given,
+                                                         const Manifold& manifold) const noexcept {
+  StartImpulses start{};
+  if (last == nullptr && given == nullptr) return start;
+  const Tangents<double> now = tangents_of(manifold.normal);
+  const auto add = [&](std::uint32_t index, double normal, const Vec3d& friction) noexcept {
+    start[index].normal += normal;
+    start[index].tangent[0] += dot(friction, now.t1);
+    start[index].tangent[1] += dot(friction, now.t2);
   };
   if (last == nullptr) {
     for (std::uint32_t j = 0; j < given->count; ++j)
-      if (ContactPoint* point = point_of(given->features[j]))
-        add(*point, given->normal_force[j] * walk.sub_step, given->friction_force[j] * walk.sub_step);
-    return;
+      if (const std::uint32_t point = point_of(manifold, given->features[j]); point != kNoPoint)
+        add(point, given->normal_force[j] * walk.sub_step, given->friction_force[j] * walk.sub_step);
+    return start;
   }
   // The normal has rotated since: projects the old friction vector on the new tangents.
-  const Tangents<double> then = last->normal == contact.normal ? now : tangents_of(last->normal);
-  const bool same_kind = is_of_face(last->points[0].feature) == is_of_face(contact.points[0].feature);
+  const Tangents<double> then = last->normal == manifold.normal ? now : tangents_of(last->normal);
+  const bool same_kind = is_of_face(last->points[0].feature) == is_of_face(manifold.points[0].feature);
   for (std::uint32_t j = 0; j < last->count; ++j) {
     const ContactPoint& before = last->points[j];
-    ContactPoint* point = point_of(before.feature);
-    if (point == nullptr && same_kind) point = &nearest_point(contact, before.from_a);
-    if (point == nullptr) continue;
-    add(*point, walk.impulse_scale * before.normal_impulse,
+    std::uint32_t point = point_of(manifold, before.feature);
+    if (point == kNoPoint && same_kind) point = nearest_point(manifold, before.from_a);
+    if (point == kNoPoint) continue;
+    add(point, walk.impulse_scale * before.normal_impulse,
         walk.impulse_scale * (before.tangent_impulse[0] * then.t1 + before.tangent_impulse[1] * then.t2));
   }
+  return start;
 }
 
 // More contacts than capacity: keeps the deepest of contacts_ and beyond_, in the order of keys.
