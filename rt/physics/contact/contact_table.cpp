@@ -8,6 +8,7 @@
 #include "rt/physics/collision/mesh_reach.h"
 #include "rt/physics/contact/pair_friction.h"
 #include "rt/physics/contact/rolling_side.h"
+#include "rt/physics/contact/start_impulses.h"
 
 namespace tactus::physics {
 namespace {
@@ -17,24 +18,6 @@ void scale_impulses(ContactPoint& point, double factor) noexcept {
   point.normal_impulse *= factor;
   point.tangent_impulse[0] *= factor;
   point.tangent_impulse[1] *= factor;
-}
-
-// Index of the manifold's point nearest to `from_a`, from the centre of A.
-std::uint32_t nearest_point(const Manifold& manifold, const Vec3d& from_a) noexcept {
-  const auto distance = [&](const ManifoldPoint& p) noexcept { return norm_squared(p.from_a - from_a); };
-  const auto first = manifold.points.begin();
-  const auto nearest = std::min_element(first, first + manifold.count,
-                                        [&](const auto& p, const auto& q) { return distance(p) < distance(q); });
-  return static_cast<std::uint32_t>(nearest - first);
-}
-
-constexpr std::uint32_t kNoPoint = kMaxManifoldPoints;
-
-// Index of the manifold's point with the feature, or kNoPoint.
-std::uint32_t point_of(const Manifold& manifold, std::uint32_t feature) noexcept {
-  for (std::uint32_t i = 0; i < manifold.count; ++i)
-    if (manifold.points[i].feature == feature) return i;
-  return kNoPoint;
 }
 
 LastFeatures features_of(const Contact* last, const WarmStart* given) noexcept {
@@ -341,8 +324,9 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   if (manifold.count == 0) return set_apart();
   const Sides sides = sides_of(walk.scene, pair);
   const Body &a = sides.a, &b = sides.b;
-  const StartImpulses start =
-      start_impulses(walk, search.known ? &walk.old[visit.old] : nullptr, search.given, manifold);
+  const StartImpulses start = search.known ? start_impulses(manifold, walk.old[visit.old], walk.impulse_scale)
+                              : search.given != nullptr ? start_impulses(manifold, *search.given, walk.sub_step)
+                                                        : StartImpulses{};
   walk.old_next = visit.old + (search.known ? 1 : 0);
   Contact& contact = *place(walk);  // in place of the last step's contact, if there was one
   contact.key = pair.key;
@@ -377,39 +361,6 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
                .margin = margin,
                .lever_arm = std::max(bounding_radius(a.shape), bounding_radius(b.shape))};
   store_anchors(contact, walk.scene.frames[pair.a], frame_b, reference);
-}
-
-// The impulses with which the manifold's points start: those of the same features in the last step, or else those
-// given. If a point of the last step is not chosen again, the nearest point takes its impulse, so that a stack does not
-// drop when the choice of its corners changes.
-ContactTable::StartImpulses ContactTable::start_impulses(const Walk& walk, const Contact* last, const WarmStart* given,
-                                                         const Manifold& manifold) const noexcept {
-  StartImpulses start{};
-  if (last == nullptr && given == nullptr) return start;
-  const Tangents<double> now = tangents_of(manifold.normal);
-  const auto add = [&](std::uint32_t index, double normal, const Vec3d& friction) noexcept {
-    start[index].normal += normal;
-    start[index].tangent[0] += dot(friction, now.t1);
-    start[index].tangent[1] += dot(friction, now.t2);
-  };
-  if (last == nullptr) {
-    for (std::uint32_t j = 0; j < given->count; ++j)
-      if (const std::uint32_t point = point_of(manifold, given->features[j]); point != kNoPoint)
-        add(point, given->normal_force[j] * walk.sub_step, given->friction_force[j] * walk.sub_step);
-    return start;
-  }
-  // The normal has rotated since: projects the old friction vector on the new tangents.
-  const Tangents<double> then = last->normal == manifold.normal ? now : tangents_of(last->normal);
-  const bool same_kind = is_of_face(last->points[0].feature) == is_of_face(manifold.points[0].feature);
-  for (std::uint32_t j = 0; j < last->count; ++j) {
-    const ContactPoint& before = last->points[j];
-    std::uint32_t point = point_of(manifold, before.feature);
-    if (point == kNoPoint && same_kind) point = nearest_point(manifold, before.from_a);
-    if (point == kNoPoint) continue;
-    add(point, walk.impulse_scale * before.normal_impulse,
-        walk.impulse_scale * (before.tangent_impulse[0] * then.t1 + before.tangent_impulse[1] * then.t2));
-  }
-  return start;
 }
 
 // More contacts than capacity: keeps the deepest of contacts_ and beyond_, in the order of keys.

@@ -11,7 +11,6 @@
 // contacts (the deepest stay, ties by lower key); what did not fit is counted.
 #pragma once
 
-#include <array>
 #include <span>
 
 #include "rt/base/bounded_vector.h"
@@ -117,12 +116,6 @@ class ContactTable {
   void keep(Walk& walk, const Visit& visit) noexcept;
   void take_found(Walk& walk, const Visit& visit, const Search& search, Manifold& manifold) noexcept;
   Contact* place(Walk& walk) noexcept;
-  struct StartImpulse {
-    double normal{}, tangent[2]{};  // N s, as in ContactPoint
-  };
-  using StartImpulses = std::array<StartImpulse, kMaxManifoldPoints>;
-  StartImpulses start_impulses(const Walk& walk, const Contact* last, const WarmStart* given,
-                               const Manifold& manifold) const noexcept;
   void keep_deepest(StepReport& report) noexcept;
 
   BoundedVector<Pair> pairs_, last_pairs_;
