@@ -25,8 +25,8 @@ struct BoxPair {
 BoxPair random_boxes(Random& random) {
   BoxPair pair{random_shape(random, ShapeKind::kBox),
                random_shape(random, ShapeKind::kBox),
-               random.pose(0.2),
-               random.pose(0.2),
+               random.pose(0.06),
+               random.pose(0.06),
                {.margin = random(1e-4, 5e-3)},
                {}};
   if (random(0.0, 1.0) < 0.3) pair.pose_b.rotation = pair.pose_a.rotation;
