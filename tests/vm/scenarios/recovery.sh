@@ -135,11 +135,11 @@ changes() {
   report
   comes_in "$1 written back"
 }
-# Over USB the host alone can ask.
-if [ "$link" != usb ]; then
-  changes max_force 0x0130 0x49742400     # 1e6 N
-  changes max_effort 0x0110 0x49742400    # of axis 0
-  changes quantum 0x0100 0x3a83126f       # of axis 0: 1 mm
+# Over USB the host alone can ask. One register on each bus, the others on one.
+if [ "$link" != usb ]; then changes max_force 0x0130 0x49742400; fi  # 1e6 N
+if [ "$link" = can ]; then
+  changes max_effort 0x0110 0x49742400  # of axis 0
+  changes quantum 0x0100 0x3a83126f     # of axis 0: 1 mm
   changes brake_frames 0x0134 250
 fi
 end_host
