@@ -87,8 +87,8 @@ class Session {
   Error open(const Scene& scene, const Options& options = {});
   /// Same, with the caller's device, which must outlive the session.
   Error open(const Scene& scene, const Options& options, Device& device);
-  /// Same, with several hands.
-  /// \param devices one for each hand of the scene, which must outlive the session; null: the simulated one
+  /// Same, with several hands: `devices` has one for each hand of the scene, which must outlive the session; null: the
+  /// simulated one.
   Error open(const Scene& scene, const Options& options, std::span<Device* const> devices);
   /// True after a successful open(), until close().
   bool is_open() const noexcept;
