@@ -99,9 +99,8 @@ void StateView::list_border(const session::Session& session) {
       roles[contact.outside] = Role::kOutside;
     if (!(contact.step_normal_impulse > 0) || border.size() == border.capacity()) continue;
     const Posed& member = inner->motion.pose;
-    border.push_back({contact.member, contact.outside, to_public(member * contact.member_anchor),
-                      to_public(contact.normal), contact.step_normal_impulse * per_s,
-                      to_public(contact.step_tangent_impulse * per_s)});
+    border.push_back({contact.member, contact.outside, to_public(contact.point_on(member)), to_public(contact.normal),
+                      contact.step_normal_impulse * per_s, to_public(contact.step_tangent_impulse * per_s)});
   }
 }
 

@@ -71,7 +71,8 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
       const std::uint32_t left = count - (r - row) * kWidth;
       if (left < kWidth) rows_.all[r] = ContactRow<V>{};
       rows_.all[r].used = std::min<std::uint32_t>(left, kWidth);
-      rows_.all[r].points = rows_.all[r].any_shared = rows_.all[r].rolling = 0;
+      rows_.all[r].points = rows_.all[r].any_shared = rows_.all[r].any_round = 0;
+      rows_.all[r].rolling = 0;
     }
     row += rows;
   }
@@ -95,7 +96,8 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   singles_.all.resize(singles_.first_fixed + colours_.fixed().of[ContactColours::kLeftOver]);
   for (auto& row : singles_.all) {
     row.used = 1;
-    row.points = row.any_shared = row.rolling = 0;
+    row.points = row.any_shared = row.any_round = 0;
+    row.rolling = 0;
   }
 
   // Assigns each contact to the next lane of its colour; then the rows are filled in their order.

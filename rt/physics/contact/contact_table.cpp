@@ -312,6 +312,8 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
     point.separation = made.separation;
     point.feature = made.feature;
   }
+  contact.round_a = round_at(sides.shape_a, contact.points[0].separation);
+  contact.round_b = round_at(sides.shape_b, contact.points[0].separation);
   start_impulses(walk, search.known ? &walk.replaced : nullptr, search.given, contact);
   if (walk.written == 0 || &contact != &walk.contacts[walk.written - 1]) return;  // beyond the capacity
   ContactReference& reference = walk.references[walk.written - 1];

@@ -11,14 +11,15 @@ namespace {
 // A box that lands on a face bounces on four points at once: after these passes they have converged to a few per cent.
 constexpr int kPasses = 8;
 
-// The gap at the point after the bodies' motion since the start of the step [m].
+// The gap at the point after the bodies' motion since the start of the step [m]. Of a round side, the centre moves.
 double gap_now(const StageContext& c, const Contact& contact, std::uint32_t point) noexcept {
   const auto shift = [&](std::uint32_t slot, const Vec3d& arm) noexcept {
     const SolverBody<double>& body = c.motion[slot];
     return dot(contact.normal, body.delta_position + rotate(body.delta_rotation, arm) - arm);
   };
-  double gap = contact.points[point].separation - shift(contact.slot_a, contact.points[point].from_a);
-  if (!contact.b_fixed) gap += shift(contact.slot_b, contact.points[point].from_b);
+  const ContactPoint& at = contact.points[point];
+  double gap = at.separation - shift(contact.slot_a, at.from_a - contact.round_a * contact.normal);
+  if (!contact.b_fixed) gap += shift(contact.slot_b, at.from_b + contact.round_b * contact.normal);
   return gap;
 }
 
