@@ -159,6 +159,7 @@ std::uint32_t BorderExchange::fill(const StepContacts& step, std::span<const std
     const std::uint32_t member = a ? contact.slot_a : contact.slot_b, outside = a ? contact.slot_b : contact.slot_a;
     for (std::uint32_t i = 0; i < contact.count; ++i) {
       const auto& point = contact.points[i];
+      if (point.redundant) continue;
       if (!near_points && point.total_normal_impulse <= 0 && point.separation > 0) continue;
       points_.push_back(
           border_point(contact, point, a, {bodies[member], start[member]}, {bodies[outside], start[outside]}, step_s));

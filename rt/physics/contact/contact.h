@@ -15,6 +15,7 @@ struct ContactPoint {
   Vec3d from_a, from_b;  // m, from the centres of A and B, world axes, at the start of the step
   double separation{};   // m, at the start of the step
   std::uint32_t feature{0};
+  bool redundant{false};          // true: the solver leaves the point out (redundant_points.h); set in every step
   double normal_impulse{};        // N s, of the last sub-step
   double tangent_impulse[2]{};    // N s, of the last sub-step, along `tangents_of(normal)`
   double total_normal_impulse{};  // N s, over the step
@@ -40,6 +41,12 @@ struct Contact {
     for (std::uint32_t i = 0; i < count; ++i)
       if (points[i].total_normal_impulse > 0.0 || points[i].separation <= 0.0) return true;
     return false;
+  }
+  // True if the solver leaves all points out.
+  bool is_redundant() const noexcept {
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (!points[i].redundant) return false;
+    return true;
   }
 };
 

@@ -258,8 +258,8 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   set(row.c_a, lane, number_cast<T>(c_a));
   set(row.c_b, lane, number_cast<T>(c_b));
   for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
-    const bool there = i < contact.count;
-    const ContactPoint& from = contact.points[there ? i : 0];
+    const ContactPoint& from = contact.points[i < contact.count ? i : 0];
+    const bool there = i < contact.count && !from.redundant;
     // Until `complete` the totals hold the points' positions relative to the centre; an unused point has mass 0.
     set_lane(row.total_normal_impulse[i], lane, as_lane(from.from_a.x - c_a.x));
     set_lane(row.total_tangent_impulse[0][i], lane, as_lane(from.from_a.y - c_a.y));

@@ -63,7 +63,7 @@ struct alignas(64) ContactRow {
   V x[kPoints], y[kPoints];   // m, in the plane, along t1 and t2
   V separation[kPoints];      // m, at the start of the step
   V gap[kPoints];             // m, as of the last relax sweep; at first the separation
-  V share;                    // contacts that press between the same two bodies: 1 but for compounds (softness.h)
+  V share;                    // contacts that the same two bodies' points fill: 1 but for compounds (softness.h)
   V normal_mass[kPoints];     // kg
   V normal_impulse[kPoints];  // N s, of this sub-step
 

@@ -29,13 +29,20 @@ void scale_lane(ContactRow<V>& row, int lane, LaneOf<V> factor) noexcept {
 
 bool presses(const Contact& contact) noexcept {
   for (std::uint32_t i = 0; i < contact.count; ++i)
-    if (contact.points[i].normal_impulse > 0.0 || contact.points[i].separation <= 0.0) return true;
+    if (!contact.points[i].redundant && (contact.points[i].normal_impulse > 0.0 || contact.points[i].separation <= 0.0))
+      return true;
   return false;
 }
 
-// How many contacts of two bodies press, at least 1 (softness.h).
+// How many contacts two bodies' solved points would fill, at least 1 (softness.h). Counts those of contacts that press.
 std::uint32_t share_among(std::span<const Contact> of_pair) noexcept {
-  return std::max(1u, static_cast<std::uint32_t>(std::count_if(of_pair.begin(), of_pair.end(), presses)));
+  if (of_pair.size() == 1) return 1;
+  std::uint32_t points = 0;
+  for (const Contact& contact : of_pair) {
+    if (!presses(contact)) continue;
+    for (std::uint32_t i = 0; i < contact.count; ++i) points += contact.points[i].redundant ? 0 : 1;
+  }
+  return std::max(1u, (points + kMaxManifoldPoints - 1) / kMaxManifoldPoints);
 }
 
 template <class V>

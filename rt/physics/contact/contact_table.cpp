@@ -6,6 +6,7 @@
 #include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/mesh_reach.h"
 #include "rt/physics/contact/pair_friction.h"
+#include "rt/physics/contact/redundant_points.h"
 #include "rt/physics/contact/rolling_side.h"
 
 namespace tactus::physics {
@@ -430,6 +431,8 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
   contacts_.resize(walk.written);
   references_.resize(walk.written);
   if (!beyond_.empty()) keep_deepest(report);
+  if (!scene.shapes.compounds.empty())
+    mark_redundant_points({scene.bodies, scene.fixed_bodies, scene.shapes}, settings.slop, contacts_.span());
 
   double smallest = 0.0;
   for (const Contact& contact : contacts_) {
