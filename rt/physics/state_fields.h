@@ -128,9 +128,9 @@ void each_field(Io& io, PoseSpring& s) noexcept {
 template <class Io>
 void each_field(Io& io, BorderContact& c) noexcept {
   fields(io, c.member, c.outside, c.feature, c.parts, c.normal, c.member_anchor, c.impulse_rate, c.friction,
-         c.outside_velocity, c.ghost, c.outside_inverse_mass, c.line_point, c.gap, c.friction_free, c.normal_impulse,
-         c.tangent_impulse[0], c.tangent_impulse[1], c.step_normal_impulse, c.step_tangent_impulse,
-         c.total_normal_impulse, c.total_tangent_impulse, c.work);
+         c.outside_velocity, c.ghost, c.outside_inverse_mass, c.member_round, c.ghost_round, c.ghost_centre,
+         c.line_point, c.gap, c.friction_free, c.normal_impulse, c.tangent_impulse[0], c.tangent_impulse[1],
+         c.step_normal_impulse, c.step_tangent_impulse, c.total_normal_impulse, c.total_tangent_impulse, c.work);
 }
 
 template <class Io>

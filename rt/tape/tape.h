@@ -28,7 +28,7 @@ namespace tactus::loop {
 
 static_assert(std::endian::native == std::endian::little, "the tape's numbers are written as they are in memory");
 
-inline constexpr std::uint32_t kTapeVersion = 15;           // 15: keys of pairs have parts of bodies
+inline constexpr std::uint32_t kTapeVersion = 16;           // 16: border contacts of balls and caps
 inline constexpr std::uint32_t kMaxTapeRecord = 64u << 20;  // bytes of payload
 inline constexpr std::uint32_t kMaxTapeText = 8u << 20;     // bytes: a scene with its meshes, and settings
 

@@ -5,6 +5,7 @@
 #include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/fixed_tree.h"
 #include "rt/physics/contact/find_contacts.h"
+#include "rt/physics/contact/rolling_side.h"
 
 namespace tactus::sim {
 namespace {
@@ -96,7 +97,11 @@ void Approach::compare(const physics::World& world, const Moving& a, const Movin
           if (point.separation < horizon_s * closing) manifold.points[meet++] = point;
         }
         manifold.count = meet;
-        if (meet > 0 && found_.size() < kMaxApproaches) found_.push_back({a.slot, b.slot, i, j, manifold});
+        if (meet == 0 || found_.size() == kMaxApproaches) return;
+        const double separation = manifold.points[0].separation;
+        found_.push_back({a.slot, b.slot, i, j, manifold,
+                          physics::round_at(part_shape(body_a.shape, i, lists.compounds), separation),
+                          physics::round_at(part_shape(body_b.shape, j, lists.compounds), separation)});
       });
 }
 

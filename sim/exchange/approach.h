@@ -24,6 +24,7 @@ struct Approaching {
   std::uint32_t a{0}, b{0};            // slots, a < b
   std::uint32_t part_a{0}, part_b{0};  // parts of the two bodies; the pairs of parts of two bodies are consecutive
   physics::Manifold manifold;
+  double round_a{0}, round_b{0};  // m: as in physics::Contact
 };
 
 class Approach {

@@ -1,5 +1,6 @@
 #include "sim/exchange/border_exchange.h"
 
+#include "rt/base/rotation_vector.h"
 #include "rt/physics/contact/find_contacts.h"
 #include "rt/physics/contact/pair_friction.h"
 
@@ -91,16 +92,24 @@ BorderPoint border_point(const Contact& contact, const physics::ContactPoint& po
   result.feature = point.feature;
   result.parts = contact.key.parts();
   result.normal = member_is_a ? -contact.normal : contact.normal;
+  result.member_round_m = member_is_a ? contact.round_a : contact.round_b;
+  result.outside_round_m = member_is_a ? contact.round_b : contact.round_a;
   // The lever arms date from the start of the step, so they are rotated into the body with its pose at the start.
-  result.member_anchor = rotate_inverse(member.start.rotation, member_is_a ? point.from_a : point.from_b);
-  const Vec3d anchor = rotate_inverse(outside.start.rotation, member_is_a ? point.from_b : point.from_a);
+  const Vec3d to_centre = result.outside_round_m * result.normal;
+  result.member_anchor = rotate_inverse(
+      member.start.rotation, (member_is_a ? point.from_a : point.from_b) + result.member_round_m * result.normal);
+  const Vec3d anchor = rotate_inverse(outside.start.rotation, (member_is_a ? point.from_b : point.from_a) - to_centre);
   result.impulse_rate_N = point.total_normal_impulse / step_s;
   result.friction = contact.friction;
-  result.outside_point = outside.body.motion.pose * anchor;
+  result.outside_point = outside.body.motion.pose * anchor + to_centre;
   result.separation_m = point.separation;
   // The mean over the step, not the velocity at its end: a constrained body trembles within a step, and a member that
   // followed one instant's velocity for a whole cycle would be thrown.
-  result.outside_velocity = (result.outside_point - outside.start * anchor) * (1.0 / step_s);
+  result.outside_velocity = (outside.body.motion.pose * anchor - outside.start * anchor) * (1.0 / step_s);
+  if (result.outside_round_m > 0.0) {
+    const Quatd turned = outside.body.motion.pose.rotation * conjugate(outside.start.rotation);
+    result.outside_velocity += cross(rotation_vector_of(turned) * (1.0 / step_s), to_centre);
+  }
   return result;
 }
 
@@ -150,6 +159,7 @@ std::uint32_t BorderExchange::fill(const StepContacts& step, std::span<const std
     const std::uint32_t member = a ? contact.slot_a : contact.slot_b, outside = a ? contact.slot_b : contact.slot_a;
     for (std::uint32_t i = 0; i < contact.count; ++i) {
       const auto& point = contact.points[i];
+      if (point.redundant) continue;
       if (!near_points && point.total_normal_impulse <= 0 && point.separation > 0) continue;
       points_.push_back(
           border_point(contact, point, a, {bodies[member], start[member]}, {bodies[outside], start[outside]}, step_s));
@@ -193,7 +203,10 @@ std::uint32_t BorderExchange::add_approaching(std::span<const Approaching> pairs
       point.feature = found.feature;
       point.parts = key.parts();
       point.normal = a ? -pair.manifold.normal : pair.manifold.normal;
-      point.member_anchor = rotate_inverse(member.motion.pose.rotation, on_member);
+      point.member_round_m = a ? pair.round_a : pair.round_b;
+      point.outside_round_m = a ? pair.round_b : pair.round_a;
+      point.member_anchor =
+          rotate_inverse(member.motion.pose.rotation, on_member + point.member_round_m * point.normal);
       point.friction = physics::pair_friction(member, outside);
       point.outside_point = outside.motion.pose.position + on_outside;
       point.separation_m = found.separation;

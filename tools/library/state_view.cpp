@@ -106,7 +106,7 @@ void StateView::list_border(const session::Session& session, Hand& hand) {
       hand.roles[contact.outside] = Role::kOutside;
     if (!(contact.step_normal_impulse > 0) || hand.border.size() == hand.border.capacity()) continue;
     const Posed& member = inner->motion.pose;
-    hand.border.push_back({contact.member, contact.outside, to_public(member * contact.member_anchor),
+    hand.border.push_back({contact.member, contact.outside, to_public(contact.point_on(member)),
                            to_public(contact.normal), contact.step_normal_impulse * per_s,
                            to_public(contact.step_tangent_impulse * per_s)});
   }

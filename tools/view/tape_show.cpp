@@ -152,7 +152,7 @@ void TapeShow::add_contacts(Frame& frame) const {
     const publication::Position f =
         publication::position_of(per_s * (contact.step_normal_impulse * contact.normal + contact.step_tangent_impulse));
     frame.contacts.push_back(
-        {publication::position_of(pose * contact.member_anchor), f.x, f.y, f.z, contact.outside, contact.member});
+        {publication::position_of(contact.point_on(pose)), f.x, f.y, f.z, contact.outside, contact.member});
   }
 }
 

@@ -35,7 +35,8 @@ BorderContact contact_at(const BorderPoint& point, const Posed& member) noexcept
   contact.friction = point.friction;
   contact.outside_velocity = point.outside_velocity;
   contact.outside_inverse_mass = point.outside_inverse_mass;
-  contact.line_point = member * point.member_anchor;
+  contact.member_round = point.member_round_m;
+  contact.line_point = contact.point_on(member);
   contact.gap = point.separation_m + dot(point.normal, contact.line_point - point.outside_point);
   return contact;
 }
@@ -77,6 +78,10 @@ void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTra
     BorderContact contact = contact_at(point, member->motion.pose);
     warm_start(replaced_.span(), hint, contact);
     if (traits.ghosts) contact.ghost = physics::find_ghost(ghosts.span(), point.outside);
+    if (contact.ghost != physics::kNoGhost && point.outside_round_m > 0.0) {
+      contact.ghost_round = point.outside_round_m;
+      contact.ghost_centre = point.outside_point - point.outside_round_m * point.normal - ghosts[contact.ghost].centre;
+    }
     // The world counts what does not fit, and the next step reports it.
     if (world.add_border_contact(contact)) (void)outside_velocity_.try_push(point.outside_velocity);
   }

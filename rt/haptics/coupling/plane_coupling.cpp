@@ -9,8 +9,9 @@ void PlaneCoupling::adopt(std::span<const physics::BorderContact> contacts) noex
   now_.planes.clear();
   now_.held = held_;
   for (const auto& contact : contacts) {
-    // With the proxy at x the contact point is x + arm; at line_point its distance to the surface was `gap`.
-    const double height = dot(contact.normal, contact.line_point) - contact.gap;
+    // With the proxy at x the anchor is x + arm. When the contact point, which is `member_round` below it, was at
+    // line_point, its distance to the surface was `gap`.
+    const double height = dot(contact.normal, contact.line_point) + contact.member_round - contact.gap;
     if (!now_.planes.try_push({contact.normal, contact.member_anchor, height, contact.friction, contact.impulse_rate,
                                contact.outside_velocity}))
       return;

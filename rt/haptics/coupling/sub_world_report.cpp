@@ -58,7 +58,7 @@ void SubWorld::report_border(SubWorldReport& report) const noexcept {
                              .outside = contact.outside,
                              .feature = contact.feature,
                              .parts = contact.parts,
-                             .point = pose * contact.member_anchor,
+                             .point = contact.point_on(pose),
                              .normal = contact.normal,
                              .tangent_impulse = contact.total_tangent_impulse,
                              .normal_impulse_Ns = contact.total_normal_impulse};

@@ -89,7 +89,7 @@ struct BorderContact {
   std::uint32_t feature{0};  // with `parts`: identifies the contact point within the pair of bodies
   std::uint32_t parts{0};    // PairKey::parts
   Vec3d normal;              // unit, world, from the outside body towards the member
-  Vec3d member_anchor;       // m, the contact point in the member's body frame
+  Vec3d member_anchor;       // m, in the member's body frame: the contact point; of a ball or a cap, its centre
   double impulse_rate{};     // N: impulse of the global step / its length
   double friction{};         // coefficient of the pair
   Vec3d outside_velocity;    // m/s, of the outside body's surface at the point, world
@@ -97,6 +97,11 @@ struct BorderContact {
   // part of the contact's inverse effective mass [1/kg], which determines the contact's softness.
   std::uint32_t ghost{kNoGhost};
   double outside_inverse_mass{};
+
+  // A ball or a cap is touched at the point that lies along the normal from its centre, however far it has turned. m:
+  // distance of that point from the centre, on the member and on the ghost; 0: the point turns with the body.
+  double member_round{}, ghost_round{};
+  Vec3d ghost_centre;  // m, world axes: of the ghost's ball or cap from the centre of the ghost
 
   // The friction point (paper 2.2): the member's point is held on the line through `line_point` along `normal`. With a
   // ghost there is no such constraint: line_point follows the member's point every tick.
@@ -112,6 +117,8 @@ struct BorderContact {
   double total_normal_impulse{};  // over the cycle
   Vec3d total_tangent_impulse{};  // over the cycle, on the member
   double work{};                  // J, done on the member over the cycle
+
+  Vec3d point_on(const Posed& pose) const noexcept { return pose * member_anchor - member_round * normal; }
 };
 
 }  // namespace tactus::physics

@@ -56,7 +56,10 @@ void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const Bo
     const auto [t1, t2] = tangents_of(row.n);
     row.t1 = t1;
     row.t2 = t2;
-    row.r = rotate(member->motion.pose.rotation, c.member_anchor);
+    row.rotation = member->motion.pose.rotation;
+    row.centre = rotate(member->motion.pose.rotation, c.member_anchor);
+    row.round = c.member_round;
+    row.r = row.centre - row.round * row.n;
     row.offset = member->motion.pose.position + row.r - c.line_point;
     row.neighbour_velocity = rule_.surface_moves ? c.outside_velocity : Vec3d{};
     row.cap = c.impulse_rate * step.h;
@@ -105,7 +108,8 @@ void BorderSolver::mark_slow(std::span<Row> of_member) noexcept {
 void BorderSolver::init_ghost_row(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
                                   const SymMat3d& inertia, const Vec3d& point) noexcept {
   row.ghost = contact.ghost;
-  row.ghost_r = point - ghost.centre;
+  row.ghost_round = contact.ghost_round;
+  row.ghost_r = row.ghost_round > 0.0 ? contact.ghost_centre + row.ghost_round * row.n : Vec3d{point - ghost.centre};
   const Vec3d* directions[3] = {&row.n, &row.t1, &row.t2};
   for (int i = 0; i < 3; ++i) {
     const Vec3d& d = *directions[i];
@@ -133,9 +137,16 @@ double BorderSolver::normal_limit(const Row& row) const noexcept {
   return std::max(0.0, pair.cap - (pair.sum - row.normal_impulse));
 }
 
+// What the surface of a ball or a cap moved at the point since the start of the step because it turned [m]: along the
+// tangents only.
+Vec3d BorderSolver::rolled_at(const Row& row, const SolverBody<double>& body) noexcept {
+  return row.round > 0.0 ? -row.round * cross(small_rotation_vector(body.delta_rotation), row.n) : Vec3d{};
+}
+
 // Offset of the member's point from line_point as moved by the outside body, `elapsed` into the step.
 Vec3d BorderSolver::offset_at(const Row& row, const SolverBody<double>& body, double elapsed) const noexcept {
-  const Vec3d member = row.offset + body.delta_position + rotate(body.delta_rotation, row.r) - row.r;
+  const Vec3d member =
+      row.offset + body.delta_position + rotate(body.delta_rotation, row.centre) - row.centre + rolled_at(row, body);
   if (row.ghost == kNoGhost) return member - elapsed * row.neighbour_velocity;
   const GhostState& ghost = ghosts_[row.ghost];
   return member - ghost.moved - cross(ghost.turned, row.ghost_r);
@@ -360,6 +371,8 @@ void BorderSolver::end_sub_step(SolverBodies<double> bodies) noexcept {
     row.step_tangent += tangential;
     row.step_demand[0] += row.demand[0];
     row.step_demand[1] += row.demand[1];
+    row.rolled = rolled_at(row, bodies.motion[row.slot]);
+    row.turned = bodies.motion[row.slot].delta_rotation;
     if (row.ghost == kNoGhost) continue;
     row.end_offset = offset_at(row, bodies.motion[row.slot], 0.0);
     row.end_gap = row.gap + dot(row.n, row.end_offset);
@@ -395,6 +408,17 @@ void BorderSolver::store_impulses(std::span<BorderContact> contacts, double shar
   }
 }
 
+// The ghost's ball or cap has moved against the member, and the contact point with it.
+void BorderSolver::follow_ghost(const Row& row, const GhostState& ghost, const Vec3d& at,
+                                BorderContact& contact) noexcept {
+  contact.ghost_centre += cross(ghost.turned, contact.ghost_centre);
+  if (contact.member_round > 0.0) return;
+  const Vec3d off = at + contact.ghost_centre + row.ghost_round * row.n - contact.line_point;
+  const Vec3d along = off - dot(off, row.n) * row.n;
+  contact.line_point += along;
+  contact.member_anchor += rotate_inverse(row.turned * row.rotation, along);
+}
+
 void BorderSolver::store(std::span<BorderContact> contacts, std::span<BorderGhost> ghosts, double dt,
                          double share) const noexcept {
   store_impulses(contacts, share);
@@ -408,6 +432,7 @@ void BorderSolver::store(std::span<BorderContact> contacts, std::span<BorderGhos
     const Row& row = rows_[k];
     BorderContact& c = contacts[k];
     if (rule_.surface_moves) c.line_point += dt * c.outside_velocity;
+    c.line_point -= row.rolled;
     c.step_normal_impulse = row.step_normal;
     c.step_tangent_impulse = row.step_tangent;
     c.total_normal_impulse += row.step_normal;
@@ -417,6 +442,7 @@ void BorderSolver::store(std::span<BorderContact> contacts, std::span<BorderGhos
       const GhostState& ghost = ghosts_[row.ghost];
       c.line_point += row.end_offset + ghost.moved + cross(ghost.turned, row.ghost_r);
       c.gap = row.end_gap;
+      if (row.ghost_round > 0.0) follow_ghost(row, ghost, ghosts[row.ghost].centre, c);
       continue;
     }
     const double limit = row.friction * row.step_normal;

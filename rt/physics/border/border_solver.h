@@ -59,6 +59,9 @@ class BorderSolver {
     bool active{false}, holds{false};  // the member exists and is not frozen; friction acts
     Vec3d n, t1, t2;
     Vec3d r;                   // m, from the member's centre, at the start of the step
+    Vec3d centre;              // m, same: of the ball or the cap that is touched, otherwise r
+    double round{};            // m, from that centre to the point
+    Vec3d rolled;              // m: by how much the point moved less than the member's material, over the step
     Vec3d offset;              // m, from line_point to the member's point, at the start of the step
     Vec3d neighbour_velocity;  // m/s
     double cap{}, friction{};  // N s; -
@@ -67,6 +70,8 @@ class BorderSolver {
     // along n, t1, t2, A' / A along the normal, and the member's part of A.
     std::uint32_t ghost{kNoGhost};
     Vec3d ghost_r;
+    double ghost_round{};    // m, from the centre of the ghost's ball or cap to the point
+    Quatd rotation, turned;  // of the member: at the start of the step, and since
     Twistd ghost_answer[3];
     double own_share{1}, member_share{};
     bool slow{false};
@@ -89,6 +94,8 @@ class BorderSolver {
 
   void init_ghost_row(Row& row, const BorderContact& contact, const BorderGhost& ghost, double inverse_mass,
                       const SymMat3d& inertia, const Vec3d& point) noexcept;
+  static Vec3d rolled_at(const Row& row, const SolverBody<double>& body) noexcept;
+  static void follow_ghost(const Row& row, const GhostState& ghost, const Vec3d& at, BorderContact& contact) noexcept;
   double normal_limit(const Row& row) const noexcept;
   Vec3d offset_at(const Row& row, const SolverBody<double>& body, double elapsed) const noexcept;
   Vec3d slip(const Row& row, const SolverBody<double>& body) const noexcept;

@@ -15,6 +15,7 @@ struct ContactPoint {
   Vec3d from_a, from_b;  // m, from the centres of A and B, world axes, at the start of the step
   double separation{};   // m, at the start of the step
   std::uint32_t feature{0};
+  bool redundant{false};          // true: the solver leaves the point out (redundant_points.h); set in every step
   double normal_impulse{};        // N s, of the last sub-step
   double tangent_impulse[2]{};    // N s, of the last sub-step, along `tangents_of(normal)`
   double total_normal_impulse{};  // N s, over the step
@@ -27,6 +28,9 @@ struct Contact {
   bool b_fixed{false};                  // true: B is a fixed body. A fixed body is always B.
   bool rolls_a{false}, rolls_b{false};  // true: touched on a surface of revolution (contact_row.h); never carried over
   AxisCache axis_cache;
+  // m: distance of the points from the centre of a ball or a cap, along the normal (contact_row.h); 0: neither. Never
+  // carried over.
+  double round_a{}, round_b{};
   double friction{};
   Vec3d normal;  // from A to B
   std::uint32_t count{0};
@@ -37,6 +41,12 @@ struct Contact {
     for (std::uint32_t i = 0; i < count; ++i)
       if (points[i].total_normal_impulse > 0.0 || points[i].separation <= 0.0) return true;
     return false;
+  }
+  // True if the solver leaves all points out.
+  bool is_redundant() const noexcept {
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (!points[i].redundant) return false;
+    return true;
   }
 };
 

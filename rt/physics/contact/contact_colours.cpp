@@ -15,7 +15,7 @@ void ContactColours::assign(std::span<const Contact> contacts, std::span<const S
     const Contact& contact = contacts[k];
     const bool is_held =
         motion[contact.slot_a].inverse_mass == S(0) && (contact.b_fixed || motion[contact.slot_b].inverse_mass == S(0));
-    if (is_held) {
+    if (is_held || contact.is_redundant()) {
       colour_[k] = kNotSolved;
       continue;
     }

@@ -35,11 +35,13 @@ TACTUS_INLINE GapChange<V> gap_change(const ContactRow<V>& c, const BodyLanes<V>
   Vec3<V> turn_a = rotate_inverse(a.delta_rotation, c.n) - c.n;
   if (c.rolling != 0) turn_a -= second_order_turn(c, a.delta_rotation, 0);
   V gap = -dot(c.n, a.delta_position) - dot(turn_a, c.c_a);
+  if (c.any_round != 0) gap += c.round_a * dot(turn_a, c.n);
   Vec3<V> turn = -turn_a;
   if constexpr (!kFixed) {
     Vec3<V> turn_b = rotate_inverse(b.delta_rotation, c.n) - c.n;
     if (c.rolling != 0) turn_b -= second_order_turn(c, b.delta_rotation, 1);
     gap += dot(c.n, b.delta_position) + dot(turn_b, c.c_b);
+    if (c.any_round != 0) gap += c.round_b * dot(turn_b, c.n);
     turn += turn_b;
   }
   return {gap, dot(turn, c.t1), dot(turn, c.t2)};
@@ -238,6 +240,12 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   row.b[lane] = contact.b_fixed ? contact.slot_a : contact.slot_b;
   row.contact[lane] = index;
   row.rolling |= ((contact.rolls_a ? 1u : 0u) | (contact.rolls_b ? 2u : 0u)) << (2 * static_cast<std::uint32_t>(lane));
+  if (contact.round_a > 0.0 || contact.round_b > 0.0) {
+    if (row.any_round == 0) row.round_a = row.round_b = V(0);
+    row.any_round = 1;
+    set_lane(row.round_a, lane, as_lane(contact.round_a));
+    set_lane(row.round_b, lane, as_lane(contact.round_b));
+  }
   set(row.n, lane, number_cast<T>(contact.normal));
   set_lane(row.friction, lane, as_lane(contact.friction));
   set_lane(row.inverse_mass_a, lane, bodies.motion[contact.slot_a].inverse_mass);
@@ -255,8 +263,8 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   set(row.c_a, lane, number_cast<T>(c_a));
   set(row.c_b, lane, number_cast<T>(c_b));
   for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
-    const bool there = i < contact.count;
-    const ContactPoint& from = contact.points[there ? i : 0];
+    const ContactPoint& from = contact.points[i < contact.count ? i : 0];
+    const bool there = i < contact.count && !from.redundant;
     // Until `complete` the totals hold the points' positions relative to the centre; an unused point has mass 0.
     set_lane(row.total_normal_impulse[i], lane, as_lane(from.from_a.x - c_a.x));
     set_lane(row.total_tangent_impulse[0][i], lane, as_lane(from.from_a.y - c_a.y));

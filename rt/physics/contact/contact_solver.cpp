@@ -29,13 +29,20 @@ void scale_lane(ContactRow<V>& row, int lane, LaneOf<V> factor) noexcept {
 
 bool presses(const Contact& contact) noexcept {
   for (std::uint32_t i = 0; i < contact.count; ++i)
-    if (contact.points[i].normal_impulse > 0.0 || contact.points[i].separation <= 0.0) return true;
+    if (!contact.points[i].redundant && (contact.points[i].normal_impulse > 0.0 || contact.points[i].separation <= 0.0))
+      return true;
   return false;
 }
 
-// How many contacts of two bodies press, at least 1 (softness.h).
+// How many contacts two bodies' solved points would fill, at least 1 (softness.h). Counts those of contacts that press.
 std::uint32_t share_among(std::span<const Contact> of_pair) noexcept {
-  return std::max(1u, static_cast<std::uint32_t>(std::count_if(of_pair.begin(), of_pair.end(), presses)));
+  if (of_pair.size() == 1) return 1;
+  std::uint32_t points = 0;
+  for (const Contact& contact : of_pair) {
+    if (!presses(contact)) continue;
+    for (std::uint32_t i = 0; i < contact.count; ++i) points += contact.points[i].redundant ? 0 : 1;
+  }
+  return std::max(1u, (points + kMaxManifoldPoints - 1) / kMaxManifoldPoints);
 }
 
 template <class V>
@@ -71,7 +78,8 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
       const std::uint32_t left = count - (r - row) * kWidth;
       if (left < kWidth) rows_.all[r] = ContactRow<V>{};
       rows_.all[r].used = std::min<std::uint32_t>(left, kWidth);
-      rows_.all[r].points = rows_.all[r].any_shared = rows_.all[r].rolling = 0;
+      rows_.all[r].points = rows_.all[r].any_shared = rows_.all[r].any_round = 0;
+      rows_.all[r].rolling = 0;
     }
     row += rows;
   }
@@ -95,7 +103,8 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   singles_.all.resize(singles_.first_fixed + colours_.fixed().of[ContactColours::kLeftOver]);
   for (auto& row : singles_.all) {
     row.used = 1;
-    row.points = row.any_shared = row.rolling = 0;
+    row.points = row.any_shared = row.any_round = 0;
+    row.rolling = 0;
   }
 
   // Assigns each contact to the next lane of its colour; then the rows are filled in their order.

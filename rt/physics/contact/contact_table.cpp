@@ -7,6 +7,7 @@
 #include "rt/physics/collision/collide_parts.h"
 #include "rt/physics/collision/mesh_reach.h"
 #include "rt/physics/contact/pair_friction.h"
+#include "rt/physics/contact/redundant_points.h"
 #include "rt/physics/contact/rolling_side.h"
 #include "rt/physics/contact/start_impulses.h"
 
@@ -346,12 +347,15 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
     point.from_b = made.from_b;
     point.separation = made.separation;
     point.feature = made.feature;
+    point.redundant = false;
     point.normal_impulse = start[i].normal;
     point.tangent_impulse[0] = start[i].tangent[0];
     point.tangent_impulse[1] = start[i].tangent[1];
     point.total_normal_impulse = 0.0;
     point.total_friction = {};
   }
+  contact.round_a = round_at(sides.shape_a, contact.points[0].separation);
+  contact.round_b = round_at(sides.shape_b, contact.points[0].separation);
   if (walk.written == 0 || &contact != &walk.contacts[walk.written - 1]) return;  // beyond the capacity
   ContactReference& reference = walk.references[walk.written - 1];
   reference.tolerance = 0.0;
@@ -427,6 +431,8 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
   contacts_.resize(walk.written);
   references_.resize(walk.written);
   if (!beyond_.empty()) keep_deepest(report);
+  if (!scene.shapes.compounds.empty())
+    mark_redundant_points({scene.bodies, scene.fixed_bodies, scene.shapes}, settings.slop, contacts_.span());
 
   double smallest = 0.0;
   for (const Contact& contact : contacts_) {

@@ -1,5 +1,6 @@
-// Does a contact touch a body on a surface of revolution, so that a turn about the axis moves no point of it along the
-// normal? Frame: world. Units: m. Thread: [any]; pure.
+// Which contacts roll: those on a ball or a cap, where a turn about its centre moves no point of the contact along the
+// normal, and those on a surface of revolution, where a turn about the axis moves none.
+// Frame: world. Units: m. Thread: [any]; pure.
 #pragma once
 
 #include "rt/physics/body.h"
@@ -19,6 +20,13 @@ inline bool touches_on_side(const Body& body, std::uint32_t part, Compounds comp
   const double along = dot(axis, normal);
   const Vec3d beside = posed.from_body - dot(posed.from_body, axis) * axis;
   return along * along < 0.5 && norm_squared(beside) < posed.shape.radius * posed.shape.radius;
+}
+
+// Distance of a contact point, which is midway between the surfaces, from the centre of the ball or the cap that it
+// touches, or from the axis of a capsule's side [m]. 0: the shape is neither.
+constexpr double round_at(const Shape& shape, double separation) noexcept {
+  const bool is_round = shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kCapsule;
+  return is_round ? shape.radius + 0.5 * separation : 0.0;
 }
 
 }  // namespace tactus::physics

@@ -11,14 +11,15 @@ namespace {
 // A box that lands on a face bounces on four points at once: after these passes they have converged to a few per cent.
 constexpr int kPasses = 8;
 
-// The gap at the point after the bodies' motion since the start of the step [m].
+// The gap at the point after the bodies' motion since the start of the step [m]. Of a round side, the centre moves.
 double gap_now(const StageContext& c, const Contact& contact, std::uint32_t point) noexcept {
   const auto shift = [&](std::uint32_t slot, const Vec3d& arm) noexcept {
     const SolverBody<double>& body = c.motion[slot];
     return dot(contact.normal, body.delta_position + rotate(body.delta_rotation, arm) - arm);
   };
-  double gap = contact.points[point].separation - shift(contact.slot_a, contact.points[point].from_a);
-  if (!contact.b_fixed) gap += shift(contact.slot_b, contact.points[point].from_b);
+  const ContactPoint& at = contact.points[point];
+  double gap = at.separation - shift(contact.slot_a, at.from_a - contact.round_a * contact.normal);
+  if (!contact.b_fixed) gap += shift(contact.slot_b, at.from_b + contact.round_b * contact.normal);
   return gap;
 }
 
@@ -58,32 +59,58 @@ void Restitution::register_stages(StageTable& table) noexcept {
 
 void Restitution::list(StageContext& c) noexcept {
   rows_.clear();
+  groups_.clear();
+  const Contact* last = nullptr;
   for (std::uint32_t k = 0; k < c.contacts.size(); ++k) {
     const Contact& contact = c.contacts[k];
     const BodyId b = contact.b_fixed ? c.fixed_bodies[contact.slot_b].id : c.bodies[contact.slot_b].id;
     const double coefficient = std::max(coefficient_of(c.bodies[contact.slot_a].id), coefficient_of(b));
-    if (coefficient > 0.0) (void)rows_.try_push({k, coefficient, {}});
+    if (!(coefficient > 0.0) || !rows_.try_push({k, coefficient, {}})) continue;
+    add_to_group(contact, last);
+    last = &contact;
   }
 }
 
-bool Restitution::bounce_off(StageContext& c, Row& row) noexcept {
-  const Contact& contact = c.contacts[row.contact];
-  Strikes strikes;
+// The row that was added last joins the rows of its two bodies, as long as their points fit.
+void Restitution::add_to_group(const Contact& contact, const Contact* last) noexcept {
+  std::uint32_t points = 0;
+  for (std::uint32_t i = 0; i < contact.count; ++i) points += contact.points[i].redundant ? 0 : 1;
+  const bool joins = last != nullptr && last->key.of_bodies() == contact.key.of_bodies() &&
+                     groups_[groups_.size() - 1].points + points <= kMaxStrikes;
+  if (!joins) (void)groups_.try_push({rows_.size() - 1, 0, 0});
+  Group& group = groups_[groups_.size() - 1];
+  ++group.count;
+  group.points += points;
+}
+
+void Restitution::add_strikes(const StageContext& c, std::uint32_t row, Strikes& strikes) const noexcept {
+  const Contact& contact = c.contacts[rows_[row].contact];
   for (std::uint32_t i = 0; i < contact.count; ++i) {
+    if (contact.points[i].redundant) continue;
     const double speed = -separating_speed(c, contact, i);
     const double gap = gap_now(c, contact, i);
     if (!(speed > kMinSpeed && gap < 2.0 * speed * c.h)) continue;
     const double work = 2.0 * closing_gravity(c, contact) * std::max(0.0, gap);  // twice the work per kilogram
-    const double square = row.coefficient * row.coefficient * (speed * speed + work) - work;
-    (void)strikes.try_push({.point = i,
+    const double square = rows_[row].coefficient * rows_[row].coefficient * (speed * speed + work) - work;
+    (void)strikes.try_push({.row = row,
+                            .point = i,
                             .speed = speed,
                             .after = std::sqrt(std::max(0.0, square)),
                             .mass = mass_of(c, contact, i),
                             .impulse = 0.0});
   }
+}
+
+bool Restitution::bounce_off(StageContext& c, const Group& group) noexcept {
+  Strikes strikes;
+  for (std::uint32_t k = 0; k < group.count; ++k) add_strikes(c, group.first + k, strikes);
   if (strikes.empty()) return false;
+  const auto contact_of = [&](const Strike& strike) noexcept -> const Contact& {
+    return c.contacts[rows_[strike.row].contact];
+  };
   for (int pass = 0; pass < kPasses; ++pass)
     for (Strike& strike : strikes) {
+      const Contact& contact = contact_of(strike);
       const double wanted = strike.impulse + strike.mass * (strike.after - separating_speed(c, contact, strike.point));
       const double next = std::max(0.0, wanted);
       push_apart(c, contact, strike.point, next - strike.impulse);
@@ -93,12 +120,12 @@ bool Restitution::bounce_off(StageContext& c, Row& row) noexcept {
   double came = 0.0, went = 0.0;
   for (const Strike& strike : strikes) {
     came += strike.impulse * strike.speed;
-    went += strike.impulse * separating_speed(c, contact, strike.point);
+    went += strike.impulse * separating_speed(c, contact_of(strike), strike.point);
   }
   const double share = went > came ? 2.0 * came / (went + came) : 1.0;
   for (const Strike& strike : strikes) {
-    if (share < 1.0) push_apart(c, contact, strike.point, (share - 1.0) * strike.impulse);
-    row.given[strike.point] += share * strike.impulse;
+    if (share < 1.0) push_apart(c, contact_of(strike), strike.point, (share - 1.0) * strike.impulse);
+    rows_[strike.row].given[strike.point] += share * strike.impulse;
   }
   return true;
 }
@@ -107,8 +134,8 @@ void Restitution::bounce(StageContext& c) noexcept {
   bool struck = true;
   for (int round = 0; struck && round < kMaxRounds; ++round) {
     struck = false;
-    const std::uint32_t count = rows_.size();
-    for (std::uint32_t k = 0; k < count; ++k) struck |= bounce_off(c, rows_[round % 2 == 0 ? k : count - 1 - k]);
+    const std::uint32_t count = groups_.size();
+    for (std::uint32_t k = 0; k < count; ++k) struck |= bounce_off(c, groups_[round % 2 == 0 ? k : count - 1 - k]);
   }
 }
 

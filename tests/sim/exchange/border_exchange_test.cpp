@@ -11,6 +11,8 @@ using namespace tactus;
 using namespace tactus::sim;
 using physics::Shape;
 using Return = physics::BorderTraits::Return;
+using physics::Body;
+using physics::Contact;
 using physics::World;
 using Border = FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>;
 
@@ -162,6 +164,37 @@ TEST_CASE("A return of an unknown body, or one that is not a number, changes not
   broken[1].outside = 77;
   return_impulses(broken, kCardIsMember, Return::kImpulse, *world);
   CHECK(world->state_hash() == before);
+}
+
+TEST_CASE("A border point of two balls that roll on each other is between their centres after the step, too") {
+  const double r = 0.03, step_s = 8e-3, turn = 50;
+  const bool member_is_a = GENERATE(true, false);
+  Body a = make_dynamic_body(0, Shape::sphere(r), 1, 0.5, {{0, 0, 0}, quat_from_rotation_vector(Vec3d{1, 2, 3})});
+  Body b = make_dynamic_body(1, Shape::sphere(r), 1, 0.5, {{0, 0, 2 * r}, quat_from_rotation_vector(Vec3d{0, 1, 0})});
+  const Posed start_a = a.motion.pose, start_b = b.motion.pose;
+  Contact contact;
+  contact.key = PairKey::of(0, 1, false);
+  contact.normal = {0, 0, 1};
+  contact.count = 1;
+  contact.points[0].from_a = {0, 0, r};
+  contact.points[0].from_b = {0, 0, -r};
+  contact.round_a = contact.round_b = r;
+  const auto turned = [&](Body& body, double sign) {
+    body.motion.pose.rotation =
+        quat_from_rotation_vector(Vec3d{0, sign * turn * step_s, 0}) * body.motion.pose.rotation;
+  };
+  turned(a, 1);
+  turned(b, -1);
+  const BodyOverStep of_a{a, start_a}, of_b{b, start_b};
+  const auto point = border_point(contact, contact.points[0], member_is_a, member_is_a ? of_a : of_b,
+                                  member_is_a ? of_b : of_a, step_s);
+  const Body& member = member_is_a ? a : b;
+  CHECK(point.member_round_m == r);
+  CHECK(point.outside_round_m == r);
+  const Vec3d touched = member.motion.pose * point.member_anchor - point.member_round_m * point.normal;
+  CHECK(norm(touched - Vec3d{0, 0, r}) < 1e-12);
+  CHECK(norm(point.outside_point - Vec3d{0, 0, r}) < 1e-12);
+  CHECK(norm(point.outside_velocity - Vec3d{turn * r, 0, 0}) < 1e-9);  // of either ball, where they touch
 }
 
 TEST_CASE("A border point is where the bodies touch, with the normal from the outside body to the member") {

@@ -199,3 +199,70 @@ TEST_CASE("A world with ghosts goes on from its saved state to the last bit") {
   CHECK(b.ghost().velocity == c.ghost().velocity);
   CHECK(b.ghost().total_impulse == c.ghost().total_impulse);
 }
+
+// A ball of radius kHalf that rests on the ghost of a body below it, pressed by gravity.
+struct RoundBench {
+  PhysicsBench bench{[] {
+    Capacities capacities;
+    capacities.border_contacts = 4;
+    return capacities;
+  }()};
+
+  RoundBench(const Shape& shape, double friction) {
+    bench.add_sphere(3, kHalf, kMass, 0.5, {0, 0, kHalf});
+    bench.body(3).shape = shape;
+    BorderGhost ghost;
+    ghost.outside = 9;
+    ghost.centre = {0, 0, -kHalf};
+    REQUIRE(bench.world.border_ghosts().try_push(ghost));
+    BorderContact contact;
+    contact.member = 3;
+    contact.outside = 9;
+    contact.ghost = 0;
+    contact.normal = {0, 0, 1};
+    contact.friction = friction;
+    contact.outside_inverse_mass = 1 / kMass;
+    bench.world.border_rule.mode = BorderMode::kGhost;
+    REQUIRE(bench.world.add_border_contact(contact));
+  }
+  BorderGhost& ghost() { return bench.world.border_ghosts()[0]; }
+  BorderContact& contact() { return bench.world.border_contacts()[0]; }
+};
+
+TEST_CASE("A ball that rolls over a ghost for a cycle is touched below its centre, and keeps height and speed") {
+  const double speed = 3;
+  RoundBench b(Shape::sphere(kHalf), 0.5);
+  b.contact().member_round = kHalf;
+  Twistd& velocity = b.bench.velocity(3);
+  velocity = {{speed, 0, 0}, {0, speed / kHalf, 0}};
+  for (int k = 0; k < 16; ++k) {
+    b.bench.step();
+    const Vec3d at = b.bench.position(3);
+    CHECK(at.z == Approx(kHalf).margin(3e-5));
+    CHECK(velocity.linear.x == Approx(speed).epsilon(1e-3));
+    CHECK(velocity.angular.y == Approx(speed / kHalf).epsilon(1e-3));
+    CHECK(norm(b.contact().point_on(b.bench.body(3).motion.pose) - (at - Vec3d{0, 0, kHalf})) < 1e-12);
+    CHECK(norm(b.contact().line_point - (at - Vec3d{0, 0, kHalf})) < 1e-12);
+  }
+}
+
+TEST_CASE("A plank on the ghost of a ball that rolls is carried where the ball is, and stays level") {
+  const double speed = 1.5;  // of the ball; the plank moves twice as fast
+  RoundBench b(Shape::box({0.3, 0.3, kHalf}), 0.5);
+  b.contact().member_anchor = {0, 0, -kHalf};
+  b.contact().ghost_round = kHalf;
+  b.contact().ghost_centre = {};
+  b.bench.body(3).inertia = {1e6, 1e6, 1e6};
+  b.bench.velocity(3).linear = {2 * speed, 0, 0};
+  b.ghost().velocity = {{speed, 0, 0}, {0, speed / kHalf, 0}};
+  const Vec3d start = b.ghost().centre;
+  for (int k = 0; k < 8; ++k) {
+    b.bench.step();
+    const Vec3d touched = b.contact().point_on(b.bench.body(3).motion.pose);
+    CHECK(touched.x == Approx(b.ghost().centre.x).margin(1e-9));
+    CHECK(b.contact().line_point.x == Approx(b.ghost().centre.x).margin(1e-9));
+    CHECK(b.bench.position(3).z == Approx(kHalf).margin(3e-5));
+    CHECK(b.bench.velocity(3).linear.x == Approx(2 * speed).epsilon(1e-3));
+  }
+  CHECK(b.ghost().centre.x - start.x == Approx(8e-3 * speed).epsilon(1e-3));
+}
