@@ -96,6 +96,14 @@ class Scenes(unittest.TestCase):
                 tactus.Session(wrong)
         with self.assertRaisesRegex(tactus.OptionError, "is no scene"):
             tactus.Scene(3)
+        for arguments in ({"text": 3}, {"text": b"a = 1"}, {"text": "a = 1", "name": 3}):
+            with self.assertRaisesRegex(tactus.OptionError, "accepted: text"):
+                tactus.Scene(**arguments)
+        for path, error in (("/tmp", tactus.FileError), ("/nowhere/x.toml", tactus.FileError), (None, tactus.OptionError),
+                            ("a\0b", tactus.OptionError)):
+            with self.subTest(path=path), self.assertRaisesRegex(error, "Scene.save: ") as caught:
+                tactus.Scene(SMALL).save(path)
+            self.assertNotIn("\n", str(caught.exception))
 
 
 if __name__ == "__main__":
