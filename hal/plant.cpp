@@ -99,8 +99,8 @@ Vec3d Plant::advance(const Line& l, const Vec3d& speed) noexcept {
   // Implicit spring of the hand: its error at the end of the sub-step is error - h (v+ - v_target).
   const double hand_rate = l.hand_damping + l.h * l.hand_stiffness;
   const double resistance = l.mass + l.h * (l.damping + hand_rate);
-  const Vec3d push = l.pushes ? l.motor + l.push
-                              : l.motor + l.error * l.hand_stiffness + l.target_speed * l.hand_damping;
+  const Vec3d push =
+      l.pushes ? l.motor + l.push : l.motor + l.error * l.hand_stiffness + l.target_speed * l.hand_damping;
   const Vec3d momentum = speed * l.mass + push * l.h;  // resistance x the velocity without friction
   const double holding = l.h * l.friction, size = norm(momentum);
   const bool sticks = size <= holding;

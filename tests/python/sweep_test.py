@@ -277,6 +277,15 @@ exec {bench.PROGRAM} "$@"
                 self.assertEqual(json.loads(spread), json.loads(alone))
         self.assertEqual(glob.glob(self.at("tactus-parts-*")), [])
 
+    def test_accuracy_cost_by_workers_has_the_errors_of_one_process(self):
+        command = ("accuracy-cost", "--quick", "--scenes", "press", "--seeds", 2, "--json")
+        reports = [json.loads(self.experiment(*command, *more).stdout) for more in ((), ("--workers", 2))]
+        errors = [[{key: value for key, value in point.items() if "_us" not in key and key not in ("on_front", "instructions")}
+                   for point in report["points"]] for report in reports]
+        self.assertGreater(len(errors[0]), 5)
+        self.assertTrue(all(len(point["force_error_by_seed"]) == 2 for point in errors[0]))
+        self.assertEqual(errors[0], errors[1])
+
     def test_a_part_that_fails_or_is_interrupted_is_said(self):
         said = self.experiment("energy-loss", "--quick", "--part", 99, "--json", status=2)
         self.assertIn("--part: accepted: 0 to", json.loads(said.stdout)["error"])

@@ -65,7 +65,8 @@ std::filesystem::path path_of(const py::handle& value, const char* call) {
   PyObject* bytes = nullptr;
   if (PyUnicode_FSConverter(value.ptr(), &bytes) == 0) {
     PyErr_Clear();
-    raise(Error::Kind::kOption, fmt::format("{}: {} is no path; accepted: text or a path, without NUL", call, shown(value)));
+    raise(Error::Kind::kOption,
+          fmt::format("{}: {} is no path; accepted: text or a path, without NUL", call, shown(value)));
   }
   return std::string(py::reinterpret_steal<py::bytes>(bytes));
 }
@@ -79,7 +80,8 @@ void* ZeroedByPython::operator new(std::size_t bytes) {
 void ZeroedByPython::operator delete(void* memory) noexcept { ::operator delete(memory); }
 
 void ZeroedByPython::made(const char* name) const {
-  if (mark_ != kMade) raise(Error::Kind::kUse, fmt::format("{}: it has no content; accepted: one that {}(...) made", name, name));
+  if (mark_ != kMade)
+    raise(Error::Kind::kUse, fmt::format("{}: it has no content; accepted: one that {}(...) made", name, name));
 }
 
 void raise_if(const Error& error) {

@@ -1,6 +1,6 @@
 // A simulated device whose hand follows targets, or pushes with wrenches, that its owner gives, one a tick: the arm of
-// the scene's profile, with its encoders and the delay of its link, led by the impedance of the scene's [hand], or pushed
-// by the wrench alone, with the hand's mass on it. No link, so no injected faults.
+// the scene's profile, with its encoders and the delay of its link, led by the impedance of the scene's [hand], or
+// pushed by the wrench alone, with the hand's mass on it. No link, so no injected faults.
 //
 // Thread: one, in virtual time. Frame: targets, and what the owner is told, in the world; the Device's own interface in
 // the device's. Bound: read() takes the owner's time plus a constant.

@@ -56,9 +56,10 @@ using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 Numbers numbers_of(const py::handle& value) {
   const py::array given = py::array::ensure(value);
-  const bool complex = given && given.dtype().kind() == 'c';  // its imaginary part would be lost
-  Numbers numbers = complex ? Numbers() : Numbers::ensure(value);
-  if (numbers && !complex) return numbers;
+  if (given && given.dtype().kind() != 'c') {  // of complex numbers the imaginary part would be lost
+    Numbers numbers = Numbers::ensure(given);
+    if (numbers) return numbers;
+  }
   PyErr_Clear();
   raise(Kind::kOption, fmt::format("hand: {} is no target; accepted: {}", shown(value), kAcceptedTarget));
 }
@@ -84,8 +85,9 @@ Targets Targets::from(const py::handle& value) {
   const bool fits = numbers.ndim() == 2 && is_wish(numbers.shape(1));
   if (!fits) {
     std::vector<py::ssize_t> shape(numbers.shape(), numbers.shape() + numbers.ndim());
-    raise(Kind::kOption, fmt::format("step: targets of shape ({}); accepted: (ticks, 3), (ticks, 7) or (ticks, 6), a row each: {}",
-                                     fmt::join(shape, ", "), kAcceptedTarget));
+    raise(Kind::kOption,
+          fmt::format("step: targets of shape ({}); accepted: (ticks, 3), (ticks, 7) or (ticks, 6), a row each: {}",
+                      fmt::join(shape, ", "), kAcceptedTarget));
   }
   Targets targets;
   targets.rows.reserve(static_cast<std::size_t>(numbers.shape(0)));

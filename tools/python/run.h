@@ -52,8 +52,8 @@ class Run {
   };
 
   void step(std::uint64_t ticks);
-  // One tick for each row. `targets`: (ticks, 3) or (ticks, 7) numbers, or (ticks, 6), wrenches; with several hands a sequence of these, one for
-  // each hand, or None: it is led as without targets. Raises.
+  // One tick for each row. `targets`: (ticks, 3) or (ticks, 7) numbers, or (ticks, 6), wrenches; with several hands a
+  // sequence of these, one for each hand, or None: it is led as without targets. Raises.
   void step(const pybind11::handle& targets);
   void reset();
   Saved save() const;

@@ -249,7 +249,8 @@ void add_calls(py::class_<SessionObject>& session) {
   session
       .def("step", &SessionObject::step, py::arg("ticks"),
            "Computes so many ticks, without the GIL; or, with an array of targets for the hand, (ticks, 3) or (ticks, "
-           "7) float64, position in m and rotation w x y z, or of wrenches, (ticks, 6), N and N m, world, one tick for each row. With several hands: a list "
+           "7) float64, position in m and rotation w x y z, or of wrenches, (ticks, 6), N and N m, world, one tick for "
+           "each row. With several hands: a list "
            "with such an array for each, of as many rows, or None: that hand is led as without targets.")
       .def(
           "record", &SessionObject::record, py::arg("tape"),

@@ -51,7 +51,9 @@ class TapeObject : public ZeroedByPython {
   }
 
   // A lone surrogate, which no column has, becomes "?".
-  static std::string text_of(const py::object& text) { return text.attr("encode")("utf-8", "replace").cast<std::string>(); }
+  static std::string text_of(const py::object& text) {
+    return text.attr("encode")("utf-8", "replace").cast<std::string>();
+  }
 
   // Ticks that adopted a snapshot.
   py::array_t<std::uint64_t> cycles() const {
@@ -167,8 +169,7 @@ void add_tape(py::module_& module) {
       .def("__getitem__", &TapeObject::column, py::arg("column"))
       .def("__contains__",
            [](const TapeObject&, const py::object& name) {
-             return py::isinstance<py::str>(name) &&
-                    std::ranges::count(column_names(), TapeObject::text_of(name)) > 0;
+             return py::isinstance<py::str>(name) && std::ranges::count(column_names(), TapeObject::text_of(name)) > 0;
            })
       .def("__len__", &TapeObject::ticks)
       .def("__iter__", [](const TapeObject&) { return py::iter(py::cast(column_names())); })

@@ -126,7 +126,8 @@ TEST_CASE("a body of more shapes than a compound has parts is refused") {
   CHECK(loaded(imported(model(128))).compounds.at(0).parts.size() == 128);
 }
 
-TEST_CASE("what the loader does not accept is refused by the model's line and element, beside all else, and no scene made") {
+TEST_CASE(
+    "what the loader does not accept is refused by the model's line and element, beside all else, and no scene made") {
   TACTUS_NEEDS_COMPILER();
   const Scratch scratch;
   const std::string text =
@@ -134,11 +135,11 @@ TEST_CASE("what the loader does not accept is refused by the model's line and el
       "<body name='rock' pos='1 0 0'><freejoint/>\n<geom name='big' type='box' size='1 1 1' mass='1e9'/></body>\n"
       "</worldbody>{}</mujoco>";
   const std::string lines = refusal(options_for(scratch.write("light.xml", fmt::format(fmt::runtime(text), ""))));
-  CHECK_THAT(lines, StartsWith("light.xml:2: ") && Contains("body \"dust\": mass_kg: 1e-09 is not a mass; accepted: ") &&
+  CHECK_THAT(lines, StartsWith("light.xml:2: ") &&
+                        Contains("body \"dust\": mass_kg: 1e-09 is not a mass; accepted: ") &&
                         Contains("\nlight.xml:4: geom \"big\": mass_kg: 1e+09 is not a mass"));
   const std::string both = refusal(options_for(scratch.write(
-      "light.xml",
-      fmt::format(fmt::runtime(text), "\n<actuator><motor joint='none' gear='1'/></actuator>"))));
+      "light.xml", fmt::format(fmt::runtime(text), "\n<actuator><motor joint='none' gear='1'/></actuator>"))));
   CHECK_THAT(both, Contains("is an actuator"));
   auto options = options_for(kModels / "stack.xml");
   options.proxy_position = Vec3d{std::nan(""), 2, 3};
@@ -150,9 +151,10 @@ TEST_CASE("what the loader does not accept is refused by the model's line and el
 TEST_CASE("what the loader does not accept is said beside what a scene cannot have") {
   TACTUS_NEEDS_COMPILER();
   const Scratch scratch;
-  const auto file = scratch.write("both.xml",
-                                  "<mujoco><worldbody>\n<body name='dust'><freejoint/><geom size='.05' mass='1e-9'/></body>\n"
-                                  "<body pos='1 0 0'><joint name='j' damping='1'/><geom size='.05'/></body></worldbody></mujoco>");
+  const auto file =
+      scratch.write("both.xml",
+                    "<mujoco><worldbody>\n<body name='dust'><freejoint/><geom size='.05' mass='1e-9'/></body>\n"
+                    "<body pos='1 0 0'><joint name='j' damping='1'/><geom size='.05'/></body></worldbody></mujoco>");
   CHECK_THAT(refusal(options_for(file)), Contains("both.xml:3: ") && Contains("has damping") &&
                                              Contains("both.xml:2: ") && Contains("mass_kg: 1e-09 is not a mass"));
 }
@@ -160,10 +162,11 @@ TEST_CASE("what the loader does not accept is said beside what a scene cannot ha
 TEST_CASE("numbers that are not finite are said with their element") {
   TACTUS_NEEDS_COMPILER();
   const Scratch scratch;
-  const auto file = scratch.write("nan.xml", "<mujoco><worldbody>\n<body name='n' pos='nan 0 0'><freejoint/><geom size='.1'/>"
-                                             "</body></worldbody></mujoco>");
-  CHECK_THAT(refusal(options_for(file)), StartsWith("nan.xml:2: body \"n\": its ") &&
-                                             Contains("is not finite; accepted: finite numbers"));
+  const auto file = scratch.write("nan.xml",
+                                  "<mujoco><worldbody>\n<body name='n' pos='nan 0 0'><freejoint/><geom size='.1'/>"
+                                  "</body></worldbody></mujoco>");
+  CHECK_THAT(refusal(options_for(file)),
+             StartsWith("nan.xml:2: body \"n\": its ") && Contains("is not finite; accepted: finite numbers"));
 }
 
 TEST_CASE("an element of more than a million characters is XML") {
@@ -191,8 +194,9 @@ TEST_CASE("more bodies than the compiler has memory for are refused with their n
 TEST_CASE("a file that is missing is one refusal") {
   TACTUS_NEEDS_COMPILER();
   const Scratch scratch;
-  const auto file = scratch.write("m.xml", "<mujoco><asset><mesh name='a' file='none.stl'/></asset><worldbody><body>"
-                                           "<freejoint/><geom type='mesh' mesh='a'/></body></worldbody></mujoco>");
+  const auto file = scratch.write("m.xml",
+                                  "<mujoco><asset><mesh name='a' file='none.stl'/></asset><worldbody><body>"
+                                  "<freejoint/><geom type='mesh' mesh='a'/></body></worldbody></mujoco>");
   const std::string lines = refusal(options_for(file));
   CHECK_THAT(lines, StartsWith("m.xml:1: <mesh> names \"none.stl\", which cannot be read"));
   CHECK(is_one_line(lines));
