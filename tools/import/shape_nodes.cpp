@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -82,10 +81,13 @@ class Reader {
 
  private:
   // Without the one that assimp makes up where a file has none.
-  static unsigned materials_of(const aiScene& scene) {
+  unsigned materials_of(const aiScene& scene) const {
     unsigned count = 0;
-    for (unsigned i = 0; i < scene.mNumMaterials; ++i)
-      if (std::strcmp(scene.mMaterials[i]->GetName().C_Str(), AI_DEFAULT_MATERIAL_NAME) != 0) ++count;
+    for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
+      const std::string name = scene.mMaterials[i]->GetName().C_Str();
+      const bool of_gltf = y_up_ && i + 1 == scene.mNumMaterials && name.empty();
+      if (!of_gltf && name != AI_DEFAULT_MATERIAL_NAME) ++count;
+    }
     return count;
   }
 

@@ -79,6 +79,7 @@ TEST_CASE("the material that assimp makes up is not counted") {
   const auto file =
       scratch.write("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   CHECK(imported(options_for(file)).account.left_out.empty());
+  CHECK(imported("blocks.gltf").account.left_out.empty());
 }
 
 TEST_CASE("glTF of deep nodes, of nodes in a circle and of deep JSON ends with one line that says so") {

@@ -46,6 +46,9 @@ class Scene(collections.abc.MutableMapping):
             raise _core.OptionError(f'Scene: text: {text!r:.64}; accepted: text')
         return _parsed(text, self._name).text
 
+    def __getstate__(self):  # of a copy; what the loader made of it is made again
+        return {**self.__dict__, '_checked': None, '_checked_text': None}
+
     def __getitem__(self, key):
         return self._keys[key]
 
