@@ -6,9 +6,12 @@
 namespace tactus::hal {
 struct Plant::Line {
   double h, mass, damping, friction;  // s; kg, N s/m, N, or their rotary counterparts
-  double hand_stiffness, hand_damping;
-  Vec3d motor, error, target_speed;  // N; target - position; m/s
-  Vec3d* hand_force;                 // out: the hand's, on the tool
+  Vec3d motor;
+  Vec3d* hand_force;  // out: the hand's, on the tool
+  double hand_stiffness{0}, hand_damping{0};
+  Vec3d error{}, target_speed{};  // target - position; m/s
+  Vec3d push{};                   // of a hand without stiffness
+  bool pushes{false};
 };
 
 Plant::Plant(const PlantParameters& parameters, const HandParameters& hand, const Posed& device_from_tool,
@@ -26,26 +29,58 @@ Plant::Plant(const PlantParameters& parameters, const HandParameters& hand, cons
   hit_stops();
 }
 
-void Plant::step(double h_s, const AxisVector& motor_effort, bool shorted, const HandTarget& target) noexcept {
+void Plant::set_motor_wrench(const AxisVector& motor_effort, bool shorted) noexcept {
   AxisVector effort{};
   if (!shorted)
     for (unsigned i = 0; i < kAxisCount; ++i)
       effort[i] = std::clamp(motor_effort[i], -parameters_.max_effort[i], parameters_.max_effort[i]);
   motor_wrench_ = kinematics_.wrench_of(coordinates_, effort);
-  const PlantParameters& p = parameters_;
+}
 
+Plant::Line Plant::translation(double h_s, bool shorted) noexcept {
+  const PlantParameters& p = parameters_;
+  const double damping = p.damping_Ns_per_m + (shorted ? p.brake_damping_Ns_per_m : 0.0);
+  return {h_s, mass_kg_, damping, p.coulomb_force_N, motor_wrench_.force, &hand_wrench_.force};
+}
+
+Plant::Line Plant::rotation(double h_s, bool shorted) noexcept {
+  const PlantParameters& p = parameters_;
+  const double damping = p.damping_Nms_per_rad + (shorted ? p.brake_damping_Nms_per_rad : 0.0);
+  return {h_s, inertia_kg_m2_, damping, p.coulomb_torque_Nm, motor_wrench_.torque, &hand_wrench_.torque};
+}
+
+void Plant::step(double h_s, const AxisVector& motor_effort, bool shorted, const HandTarget& target) noexcept {
+  set_motor_wrench(motor_effort, shorted);
   const Posed here = pose();
-  twist_.linear = advance({h_s, mass_kg_, p.damping_Ns_per_m + (shorted ? p.brake_damping_Ns_per_m : 0.0),
-                           p.coulomb_force_N, hand_.stiffness_N_per_m, hand_.damping_Ns_per_m, motor_wrench_.force,
-                           target.pose.position - here.position, target.twist.linear, &hand_wrench_.force},
-                          twist_.linear);
-  if (p.has_rotation) {
-    const Vec3d error = small_rotation_vector(target.pose.rotation * conjugate(here.rotation));
-    twist_.angular =
-        advance({h_s, inertia_kg_m2_, p.damping_Nms_per_rad + (shorted ? p.brake_damping_Nms_per_rad : 0.0),
-                 p.coulomb_torque_Nm, hand_.stiffness_Nm_per_rad, hand_.damping_Nms_per_rad, motor_wrench_.torque,
-                 error, target.twist.angular, &hand_wrench_.torque},
-                twist_.angular);
+  Line line = translation(h_s, shorted);
+  line.hand_stiffness = hand_.stiffness_N_per_m;
+  line.hand_damping = hand_.damping_Ns_per_m;
+  line.error = target.pose.position - here.position;
+  line.target_speed = target.twist.linear;
+  twist_.linear = advance(line, twist_.linear);
+  if (parameters_.has_rotation) {
+    line = rotation(h_s, shorted);
+    line.hand_stiffness = hand_.stiffness_Nm_per_rad;
+    line.hand_damping = hand_.damping_Nms_per_rad;
+    line.error = small_rotation_vector(target.pose.rotation * conjugate(here.rotation));
+    line.target_speed = target.twist.angular;
+    twist_.angular = advance(line, twist_.angular);
+  }
+  move(h_s);
+  hit_stops();
+}
+
+void Plant::step_pushed(double h_s, const AxisVector& motor_effort, bool shorted, const Wrenchd& push) noexcept {
+  set_motor_wrench(motor_effort, shorted);
+  Line line = translation(h_s, shorted);
+  line.push = push.force;
+  line.pushes = true;
+  twist_.linear = advance(line, twist_.linear);
+  if (parameters_.has_rotation) {
+    line = rotation(h_s, shorted);
+    line.push = push.torque;
+    line.pushes = true;
+    twist_.angular = advance(line, twist_.angular);
   }
   move(h_s);
   hit_stops();
@@ -64,13 +99,14 @@ Vec3d Plant::advance(const Line& l, const Vec3d& speed) noexcept {
   // Implicit spring of the hand: its error at the end of the sub-step is error - h (v+ - v_target).
   const double hand_rate = l.hand_damping + l.h * l.hand_stiffness;
   const double resistance = l.mass + l.h * (l.damping + hand_rate);
-  const Vec3d push = l.motor + l.error * l.hand_stiffness + l.target_speed * l.hand_damping;
+  const Vec3d push =
+      l.pushes ? l.motor + l.push : l.motor + l.error * l.hand_stiffness + l.target_speed * l.hand_damping;
   const Vec3d momentum = speed * l.mass + push * l.h;  // resistance x the velocity without friction
   const double holding = l.h * l.friction, size = norm(momentum);
   const bool sticks = size <= holding;
   const Vec3d next = sticks ? Vec3d{} : momentum * ((1.0 - holding / size) / resistance);
 
-  const Vec3d hand_force = push - l.motor - next * hand_rate;
+  const Vec3d hand_force = l.pushes ? l.push : push - l.motor - next * hand_rate;
   const Vec3d viscous_force = next * -l.damping;
   // The rest of the momentum change is the friction impulse, sticking or slipping.
   const Vec3d friction_impulse = (next - speed) * l.mass - (l.motor + hand_force + viscous_force) * l.h;

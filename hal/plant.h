@@ -26,6 +26,8 @@ class Plant {
   // One sub-step of `h_s` seconds. `motor_effort` (N, N m) is clamped where the amplifiers saturate. `shorted`: no
   // effort, added damping.
   void step(double h_s, const AxisVector& motor_effort, bool shorted, const HandTarget& target) noexcept;
+  // Same, with a hand that pushes the tool with `push` wherever the tool is, instead of holding it to a target.
+  void step_pushed(double h_s, const AxisVector& motor_effort, bool shorted, const Wrenchd& push) noexcept;
 
   Posed pose() const noexcept { return kinematics_.pose_of(coordinates_); }  // device_from_tool
   const AxisVector& coordinates() const noexcept { return coordinates_; }    // m, rad
@@ -37,6 +39,10 @@ class Plant {
 
  private:
   struct Line;  // one vector equation of motion: translation or rotation
+  void set_motor_wrench(const AxisVector& motor_effort, bool shorted) noexcept;
+  // What the hand does to a line is added by the callers.
+  Line translation(double h_s, bool shorted) noexcept;
+  Line rotation(double h_s, bool shorted) noexcept;
   Vec3d advance(const Line& line, const Vec3d& speed) noexcept;
   void hit_stops() noexcept;
 

@@ -1,6 +1,8 @@
 #include "rt/tape/tape.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -68,14 +70,30 @@ std::string_view tape_isa_tag() noexcept {
 
 // --- writer
 
+namespace {
+
+// Locks a regular file until it is closed, and empties it. False: another writer has it. A file system without locks
+// takes all.
+bool take_for_writing(int file) {
+  struct stat status {};
+  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return true;
+  if (::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+  (void)!::ftruncate(file, 0);  // what cannot be written is said by the first write
+  return true;
+}
+
+}  // namespace
+
 Result<std::unique_ptr<TapeWriter>> TapeWriter::create(const std::string& path, std::string_view text) {
   if (text.size() > kMaxTapeText) {
     return Status::error(named(path) + "a header text of " + std::to_string(text.size()) + " bytes; at most " +
                          std::to_string(kMaxTapeText) + " fit");
   }
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
   if (file < 0) return Status::error(named(path) + "cannot be written: " + strerrordesc_np(errno));
   std::unique_ptr<TapeWriter> writer(new TapeWriter(file, path));
+  if (!take_for_writing(file))
+    return Status::error(named(path) + "another run is writing this tape; accepted: another name");
   HeaderStart start;
   start.text_size = static_cast<std::uint32_t>(text.size());
   const std::string_view tag = tape_isa_tag();

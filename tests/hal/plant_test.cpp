@@ -49,6 +49,20 @@ TEST_CASE("a free mass under a constant force has v = F t / m and x = F t^2 / 2 
   CHECK(plant.pose().position.x == Approx(0.5 * 3.0 / 0.3 * 0.5 * (0.5 + kStep_s)).epsilon(1e-12));
 }
 
+TEST_CASE("a hand that pushes accelerates device and hand by its wrench, and its work is what they have") {
+  HandParameters hand;  // with the impedance of a person's, which does not act
+  hand.mass_kg = 0.5;
+  hand.inertia_kg_m2 = 3e-3;
+  Plant plant(free_mass(), hand, {});
+  for (int i = 0; i < 2000; ++i) plant.step_pushed(kStep_s, {0, 1, 0, 0, 0, 0}, false, {{3, 0, -6}, {0.001, 0, 0}});
+  CHECK(plant.twist().linear.x == Approx(3.0 * 0.5 / 0.8).epsilon(1e-12));
+  CHECK(plant.twist().linear.y == Approx(1.0 * 0.5 / 0.8).epsilon(1e-12));
+  CHECK(plant.twist().linear.z == Approx(-6.0 * 0.5 / 0.8).epsilon(1e-12));
+  CHECK(plant.twist().angular.x == Approx(0.001 * 0.5 / 4e-3).epsilon(1e-12));
+  CHECK(plant.hand_wrench().force.z == -6.0);
+  CHECK(plant.energy().hand + plant.energy().motors == Approx(plant.kinetic_energy_J()).epsilon(1e-12));
+}
+
 TEST_CASE("the hand's mass is carried along") {
   HandParameters hand = no_hand();
   hand.mass_kg = 0.5;

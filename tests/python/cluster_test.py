@@ -99,17 +99,60 @@ class Cluster(unittest.TestCase):
         self.end(self.begin("--workers", "1", "--folder", "alone", "--csv", "alone.csv"))
         self.assertEqual(self.read(name), self.read("alone.csv"))
 
+    def program(self, text):
+        """A program in place of tactus, whose shell script ends with it."""
+        path = self.at("tactus")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(f'#!/bin/sh\n{text}\nexec {bench.PROGRAM} "$@"\n')
+        os.chmod(path, 0o755)
+        return path
+
+    def counting_program(self):
+        """It writes a line for each run that it starts: the seed, and "again" where that unit's result is there already."""
+        return self.program(f"""[ "$1" = run ] && {{
+  seed=$(echo "$*" | sed 's/.*--seed \\([0-9]*\\).*/\\1/')
+  again=$(grep -ls "\\"seed\\": $seed$" {self.at("sweep.sweep")}/*.json > /dev/null && echo again)
+  echo "$seed $again" >> {self.at("started")}
+}}""")
+
+    def expect_no_unit_again_that_had_ended(self, units):
+        with open(self.at("started"), encoding="utf-8") as file:
+            lines = file.read().splitlines()
+        self.assertEqual({int(line.split()[0]) for line in lines}, set(range(1, units + 1)))
+        self.assertEqual([line for line in lines if "again" in line], [])
+        print(f"{units} units: {len(lines)} runs were started")
+
+    def begin_by(self, program, **options):
+        """The sweep by a program in place of tactus."""
+        options = {"program": program, "file": "sweep.toml", "folder": "", "csv": self.at("cluster.csv"), "unit": "",
+                   "workers": 0, "fresh": False, "list": False, "collect": False, "scheduler": self.address,
+                   "trust_network": False, "json": True, **options}
+        return subprocess.Popen([PYTHON, "-m", "tactus.sweep", json.dumps(options)], cwd=self.scratch,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                env={**os.environ, "PYTHONPATH": bench.MODULE})
+
+    def test_the_count_of_runs_sees_one_that_is_done_again(self):
+        self.write(0.02, 2)
+        program = self.counting_program()
+        self.end(self.begin_by(program, scheduler="", workers=1))
+        self.expect_no_unit_again_that_had_ended(2)
+        subprocess.run([program, "run", self.at("press.toml"), "--virtual-time", "--duration", "0.01", "--seed", "2"],
+                       check=True, stdout=subprocess.DEVNULL)
+        with self.assertRaises(AssertionError):
+            self.expect_no_unit_again_that_had_ended(2)
+
     def test_killed_and_stopped_workers_lose_no_unit(self):
         self.write(1.0, 20)
         self.scheduler()
         workers = [self.worker("--no-nanny") for _ in range(3)]
-        sweep = self.begin("--scheduler", self.address, "--csv", "cluster.csv")
+        sweep = self.begin_by(self.counting_program())
         self.wait_for_results(3)
         os.killpg(workers[0].pid, signal.SIGKILL)
         os.killpg(workers[1].pid, signal.SIGSTOP)
-        time.sleep(10)
+        time.sleep(30)
         os.killpg(workers[1].pid, signal.SIGCONT)
         report, _ = self.end(sweep)
+        self.expect_no_unit_again_that_had_ended(20)
         self.assertEqual((report["units"], report["run"], report["failed"]), (20, 20, 0))
         self.expect_the_table_of_one_process("cluster.csv")
 
@@ -118,15 +161,23 @@ class Cluster(unittest.TestCase):
         scheduler = self.scheduler()
         for _ in range(3):
             self.worker()
-        sweep = self.begin("--scheduler", self.address, "--csv", "cluster.csv")
+        sweep = self.begin_by(self.counting_program())
         self.wait_for_results(3)
         os.killpg(scheduler.pid, signal.SIGKILL)
         scheduler.wait()
         self.scheduler()
+        lines = [sweep.stderr.readline().decode()]
+        while "waiting for a worker" not in lines[-1] and lines[-1]:  # Debian's workers end with their scheduler
+            lines.append(sweep.stderr.readline().decode())
+        self.assertIn("units left; accepted: dask-worker tcp://", lines[-1])
         for _ in range(3):
             self.worker()
         report, said = self.end(sweep)
+        said = "".join(lines) + said
         self.assertIn("the scheduler is gone", said)
+        for line in said.splitlines():
+            self.assertTrue(line.startswith("tactus sweep: "), said)
+        self.expect_no_unit_again_that_had_ended(20)
         self.assertEqual((report["run"], report["failed"]), (20, 0))  # each ended unit once
         self.expect_the_table_of_one_process("cluster.csv")
 
@@ -134,22 +185,13 @@ class Cluster(unittest.TestCase):
         self.write(0.1, 12)
         self.scheduler()
         # The program says who it is by the worker's environment, as another build at the same path would.
-        fake = self.at("tactus")
-        with open(fake, "w", encoding="utf-8") as file:
-            file.write(f'#!/bin/sh\n[ "$1" = --version ] && [ -n "$OTHER_BUILD" ] && echo tactus 9.9.9 && exit 0\n'
-                       f'exec {bench.PROGRAM} "$@"\n')
-        os.chmod(fake, 0o755)
+        fake = self.program('[ "$1" = --version ] && [ -n "$OTHER_BUILD" ] && echo tactus 9.9.9 && exit 0')
         self.worker("--no-nanny", "--name", "same")
         os.environ["OTHER_BUILD"] = "yes"
         self.worker("--no-nanny", "--name", "other")
         del os.environ["OTHER_BUILD"]
         time.sleep(3)
-        options = {"program": fake, "file": "sweep.toml", "folder": "", "csv": "cluster.csv", "unit": "", "workers": 0,
-                   "fresh": False, "list": False, "collect": False, "scheduler": self.address, "trust_network": False,
-                   "json": True}
-        sweep = subprocess.Popen([PYTHON, "-m", "tactus.sweep", json.dumps(options)], cwd=self.scratch,
-                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                 env={**os.environ, "PYTHONPATH": bench.MODULE})
+        sweep = self.begin_by(fake)
         report, said = self.end(sweep)
         self.assertIn("worker other is turned away: it has tactus 9.9.9", said)
         self.assertEqual((report["run"], report["failed"], report["workers"]), (12, 0, 1))

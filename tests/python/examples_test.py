@@ -84,9 +84,25 @@ class Examples(unittest.TestCase):
         example("stiffness_discrimination.py", "--simulated", "--folder", broken)
         with open(os.path.join(broken, "trials.csv"), "rb") as file:
             self.assertEqual(file.read(), rows)
+        other = example("stiffness_discrimination.py", "--simulated", "--folder", broken, "--seed", 7, check=False)
+        self.assertEqual((other.returncode, other.stderr.count("\n")), (1, 1), other.stderr)
+        self.assertIn("its study has seed 1", other.stderr)
+        with open(os.path.join(broken, "trials.csv"), "rb") as file:
+            self.assertEqual(file.read(), rows)
         with open(os.path.join(whole, "trials.csv"), newline="", encoding="utf-8") as file:
             first = {row["stiffer_interval"] for row in csv.DictReader(file)}
         self.assertEqual(first, {"1", "2"})
+
+
+    def test_a_person_who_leaves_breaks_the_study_off_in_a_line(self):
+        left = example("stiffness_discrimination.py", "--folder", self.at("person"), check=False, stdin=subprocess.DEVNULL)
+        self.assertEqual(left.returncode, 1)
+        self.assertEqual(left.stderr.strip(), "stiffness_discrimination: broken off; the same command goes on")
+        with open(os.path.join(self.at("person"), "trials.csv"), "w", encoding="utf-8") as file:
+            file.write("a,b\n1,2\n")
+        wrong = example("stiffness_discrimination.py", "--folder", self.at("person"), check=False, stdin=subprocess.DEVNULL)
+        self.assertEqual((wrong.returncode, wrong.stderr.count("\n")), (1, 1), wrong.stderr)
+        self.assertIn("is no table of this study", wrong.stderr)
 
 
 if __name__ == "__main__":

@@ -138,6 +138,43 @@ class Watching(unittest.TestCase):
         with self.assertRaises(tactus.UseError):
             live.lead_hand((10**6, 0, 0))
 
+    def test_one_of_two_in_the_same_process_has_the_hand(self):
+        run, first = self.start("--hand", "pointer")
+        second = run.live()
+        self.assertNotEqual(first._hand, second._hand)
+        first.request("pause")  # time of the run stands; silence is counted by the clock, so each asks at once after
+        wait_for(lambda: self.holds(first, second))
+        first.rest_hand()
+        second.take_hand()
+
+    def holds(self, first, second):
+        """Did the second get a refusal while the first has the hand?"""
+        first.take_hand()
+        try:
+            second.take_hand()
+        except tactus.UseError as error:
+            self.assertIn("has the hand", str(error))
+            return True
+        second.rest_hand()
+        return False  # the first was silent for too long
+
+    def test_what_is_no_socket_and_no_request_is_one_line(self):
+        _, live = self.start("--hand", "pointer")
+        for wrong in (None, 3, "a\0b"):
+            with self.assertRaisesRegex(tactus.OptionError, "Live: .* is no path"):
+                tactus.Live(wrong)
+        with self.assertRaises(tactus.MachineError) as raised:
+            tactus.Live("x\udc80")
+        self.assertIn("x\\x80", str(raised.exception))
+        for wrong in (3, None, b"state"):
+            with self.assertRaisesRegex(tactus.OptionError, "Live: request: "):
+                live.request(wrong)
+        with self.assertRaises(tactus.UseError):
+            live.request("\ud800")
+        for wrong in ("abc", (1, 2), 3, None, (1, 2, "x"), (1, 2, 3, 4)):
+            with self.subTest(wrong=wrong), self.assertRaisesRegex(tactus.OptionError, "3 and 3 numbers"):
+                live.lead_hand(wrong)
+
     def test_a_controller_that_vanishes_is_one_line(self):
         run, live = self.start()
         wait_for(live.frame)

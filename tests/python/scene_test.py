@@ -2,11 +2,13 @@
 """tests/python/scene_test.py PROGRAM FOLDER: tactus.Scene against the loader."""
 import glob
 import os
+import pickle
 import subprocess
 import sys
 import tempfile
 import tomllib
 import unittest
+from copy import deepcopy
 
 import bench
 import numpy as np
@@ -55,6 +57,8 @@ class Scenes(unittest.TestCase):
         copy["proxy"]["mass_kg"] = np.float64(0.3)
         self.assertNotEqual(scene["proxy"]["mass_kg"], 0.3)
         self.assertEqual(tactus.Session(copy).bodies[0]["mass_kg"], 0.3)
+        for other in (deepcopy(scene), pickle.loads(pickle.dumps(scene))):
+            self.assertEqual((other.text, other.name), (scene.text, scene.name))
         del copy["proxy"]
         with self.assertRaisesRegex(tactus.FileError, "proxy"):
             copy.check()
@@ -96,6 +100,14 @@ class Scenes(unittest.TestCase):
                 tactus.Session(wrong)
         with self.assertRaisesRegex(tactus.OptionError, "is no scene"):
             tactus.Scene(3)
+        for arguments in ({"text": 3}, {"text": b"a = 1"}, {"text": "a = 1", "name": 3}):
+            with self.assertRaisesRegex(tactus.OptionError, "accepted: text"):
+                tactus.Scene(**arguments)
+        for path, error in (("/tmp", tactus.FileError), ("/nowhere/x.toml", tactus.FileError), (None, tactus.OptionError),
+                            ("a\0b", tactus.OptionError)):
+            with self.subTest(path=path), self.assertRaisesRegex(error, "Scene.save: ") as caught:
+                tactus.Scene(SMALL).save(path)
+            self.assertNotIn("\n", str(caught.exception))
 
 
 if __name__ == "__main__":

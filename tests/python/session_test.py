@@ -4,6 +4,7 @@ import gc
 import os
 import resource
 import sys
+import tempfile
 import threading
 import time
 import unittest
@@ -12,17 +13,17 @@ import bench
 import numpy as np
 import tactus
 
-SCENES = ["card_house", "chain", "domino_row", "free", "incline", "peg_in_shaft", "pile250", "press", "stack20", "stones",
-          "terrain", "tower", "wall", "workshop"]
+SCENES = sorted(name[:-5] for name in os.listdir(bench.SCENES) if name.endswith(".toml"))
+TICKS = {"pile700": 60, "pile5000": 20, "heaps50k": 20}  # of 600: these are for minutes
 
 
 class Bits(unittest.TestCase):
     def test_every_scene_has_the_programs_bits(self):
         for name in SCENES:
             with self.subTest(scene=name):
-                session = tactus.Session(bench.scene(name))
-                session.step(600)
-                self.assertEqual(session.state_hash, bench.run(name, 0.6)["state_hash"])
+                session, ticks = tactus.Session(bench.scene(name)), TICKS.get(name, 600)
+                session.step(ticks)
+                self.assertEqual(session.state_hash, bench.run(name, ticks * session.period_s)["state_hash"])
 
     def test_options_are_the_programs(self):
         session = tactus.Session(bench.scene("press"), coupling="static", ratio=5, rate_Hz=2000.0, members=4)
@@ -34,13 +35,13 @@ class Bits(unittest.TestCase):
     def test_a_saved_state_continues_with_the_same_bits(self):
         for name in SCENES:
             with self.subTest(scene=name):
-                session = tactus.Session(bench.scene(name))
-                session.step(237)
+                session, ticks = tactus.Session(bench.scene(name)), min(TICKS.get(name, 100), 100)
+                session.step(min(TICKS.get(name, 237), 237))
                 saved = session.save()
-                session.step(100)
+                session.step(ticks)
                 expected = session.state_hash
                 session.restore(saved)
-                session.step(100)
+                session.step(ticks)
                 self.assertEqual(session.state_hash, expected)
 
     def test_a_reset_begins_anew(self):
@@ -211,6 +212,53 @@ class Hand(unittest.TestCase):
         self.assertEqual(by_block.ticks, 1000)
         self.assertGreater(np.abs(by_block.look()["force_N"]).max(), 0.1)
 
+    def test_a_wrench_pushes_the_tool_until_the_world_pushes_back(self):
+        session = tactus.Session(bench.scene("press"), hand=lambda tick, pose, force: [0, 0, -3, 0, 0, 0])
+        session.step(3000)
+        ticks = session.look()[-200:]
+        self.assertLess(np.abs(ticks["tool_position_m"] - ticks["tool_position_m"][0]).max(), 1e-4)  # at rest
+        # Motors and push are in balance, but for the arm's Coulomb friction.
+        self.assertAlmostEqual(ticks["force_N"][:, 2].mean(), 3, delta=0.5)
+
+    def test_a_wrench_accelerates_the_tool_along_it(self):
+        def way(wrench):
+            session = tactus.Session(bench.scene("free"), hand="targets")
+            start = session.position[0].copy()
+            session.step(np.tile(np.array(wrench, float), (150, 1)))
+            return session.position[0] - start
+
+        for axis in range(3):
+            wrench = np.zeros(6)
+            wrench[axis] = 5
+            moved, back = way(wrench), way(-wrench)
+            self.assertGreater(moved[axis], 0.005)
+            self.assertLess(back[axis], -0.005)
+            self.assertLess(np.abs(np.delete(moved, axis)).max(), 0.1 * moved[axis])
+
+    def test_wrenches_and_targets_mix_and_a_saved_push_continues(self):
+        rows = np.zeros((120, 6))
+        rows[:60, 0], rows[60:, 1] = 2, -2
+        start = tactus.Session(bench.scene("free")).position[0].copy()
+
+        def hand(tick, pose, force):
+            return rows[tick] if tick < 120 else start if tick == 120 else None
+
+        by_function = tactus.Session(bench.scene("free"), hand=hand)
+        by_function.step(120)
+        by_block = tactus.Session(bench.scene("free"), hand="targets")
+        by_block.step(rows)
+        self.assertEqual(by_function.state_hash, by_block.state_hash)
+        saved = by_block.save()
+        by_function.step(400)
+        expected = by_function.state_hash
+        for _ in range(2):
+            by_block.step(np.tile(start, (400, 1)))
+            self.assertEqual(by_block.state_hash, expected)
+            by_block.restore(saved)
+        by_function.step(3000)
+        self.assertEqual(by_function.last["fault"], 0)
+        self.assertLess(np.linalg.norm(by_function.position[0] - start), 2e-3)  # the target holds it again
+
     def test_a_saved_hand_continues(self):
         def hand(tick, pose, force):
             return start + [0.003 * np.sin(tick / 50), 0, -0.01]
@@ -253,14 +301,17 @@ class Hand(unittest.TestCase):
 
     def test_what_is_no_target_is_one_line(self):
         for target, said in (([1, 2], "2 numbers"), ([[1, 2, 3]], "2 dimensions"), ([0, 0, float("nan")], "not finite"),
-                             ([0, 0, 0, 0, 0, 0, 0], "rotation is 0"), ("up", "no target"), (object(), "no target")):
+                             ([0, 0, 0, 0, 0, 0, 0], "rotation is 0"), ("up", "no target"), (object(), "no target"),
+                             (np.array([1j, 0, 0]), "no target"), ([1 + 2j, 0, 0], "no target"), ([0] * 8, "8 numbers"),
+                             ([0, 0, 0, 0, 0, float("inf")], "wrench is not finite")):
             session = tactus.Session(bench.scene("press"), hand=lambda tick, pose, force, target=target: target)
             with self.assertRaisesRegex(tactus.OptionError, said) as caught:
                 session.step(3)
             self.assertNotIn("\n", str(caught.exception))
         session = tactus.Session(bench.scene("press"), hand="targets")
         for targets, said in ((np.zeros((5, 4)), r"shape \(5, 4\)"), (np.zeros(3), r"shape \(3\)"),
-                              (np.full((2, 3), np.inf), "not finite"), ("abc", "no target")):
+                              (np.full((2, 3), np.inf), "not finite"), ("abc", "no target"),
+                              (np.full((2, 6), np.nan), "not finite"), (np.zeros((2, 3), complex), "no target")):
             with self.assertRaisesRegex(tactus.OptionError, said):
                 session.step(targets)
         self.assertEqual(session.ticks, 0)
@@ -302,6 +353,15 @@ class Mistakes(unittest.TestCase):
             session.step(np.zeros((3, 3)))
         with self.assertRaisesRegex(tactus.FileError, "nowhere"):
             session.record("/nowhere/a.tape")
+        for wrong in (b"abc", None, 3):
+            with self.assertRaisesRegex(tactus.OptionError, "accepted: what save"):
+                session.restore(wrong)
+        for wrong in (None, 3, "a\0b"):
+            with self.assertRaisesRegex(tactus.OptionError, "is no path"):
+                session.record(wrong)
+        for wrong in (3, None, "\ud800"):
+            with self.assertRaisesRegex(tactus.OptionError, "is no request"):
+                session.request(wrong)
         saved = tactus.Session(bench.scene("press")).save()
         with self.assertRaisesRegex(tactus.UseError, "not of this session"):
             session.restore(saved)
@@ -313,6 +373,64 @@ class Mistakes(unittest.TestCase):
             session.step(5)
         self.assertEqual(len(session.position), len(session.bodies))
         self.assertTrue(issubclass(tactus.OptionError, (tactus.Error, ValueError)))
+
+    def test_what_is_no_scene_is_one_line(self):
+        deep = inner = {}
+        for _ in range(100_000):
+            inner["a"] = {}
+            inner = inner["a"]
+        cyclic = {}
+        cyclic["a"] = cyclic
+        good = {"effects": ["gravity"], "proxy": {"shape": "sphere", "radius_m": 0.01, "mass_kg": 0.2}, "body": [{"shape": "plane"}]}
+        for scene, error, said in ((None, tactus.OptionError, "None is no scene"), ("a\udc80.toml", tactus.FileError, r"a\\x80"),
+                                   ("a\0b", tactus.OptionError, "without NUL"), (b"a", tactus.OptionError, "is no scene"),
+                                   ({**good, "x": deep}, tactus.FileError, "nested too deeply"),
+                                   ({**good, "x": cyclic}, tactus.FileError, "within themselves"),
+                                   ({**good, "title": "\ud800"}, tactus.FileError, "lone surrogates"),
+                                   ({**good, "\ud800": 1}, tactus.FileError, "lone surrogates")):
+            with self.subTest(said=said), self.assertRaisesRegex(error, said) as caught:
+                tactus.Session(scene)
+            self.assertNotIn("\n", str(caught.exception))
+        while deep:  # without recursion
+            deep = deep["a"]
+
+    def test_an_object_without_its_init_raises(self):
+        for make, use in ((tactus.Session, lambda o: o.step(1)), (tactus.Session, lambda o: o.position),
+                          (tactus.Session, lambda o: o.ticks), (tactus.Session, lambda o: o.hands),
+                          (tactus.Session, lambda o: o.replace(bench.scene("press"))), (tactus.SessionHand, lambda o: o.look()),
+                          (tactus.Live, lambda o: o.look()), (tactus.Live, lambda o: o.state()), (tactus.Tape, lambda o: o["tick"]),
+                          (tactus.Tape, lambda o: o.replay()),
+                          (tactus.SavedState, lambda o: tactus.Session(bench.scene("press")).restore(o))):
+            with self.subTest(make=make), self.assertRaisesRegex(tactus.UseError, "has no content") as caught:
+                use(make.__new__(make))
+            self.assertNotIn("\n", str(caught.exception))
+
+    def test_a_tape_that_another_session_writes_is_refused_and_stays_whole(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "a.tape")
+            first, second = tactus.Session(bench.scene("press")), tactus.Session(bench.scene("free"))
+            first.record(path)
+            first.step(300)
+            with self.assertRaisesRegex(tactus.FileError, "another run is writing this tape"):
+                second.record(path)
+            program = bench.program("run", bench.scene("press"), "--virtual-time", "--duration", 0.1, "--record", path)
+            self.assertIn("another run is writing this tape", program["error"])
+            first.step(300)
+            first.close()
+            self.assertEqual((len(tactus.Tape(path)), tactus.Tape(path).damage), (600, ""))
+            second.record(path)
+            second.step(50)
+            second.close()
+            self.assertEqual(len(tactus.Tape(path)), 50)
+
+    def test_replace_keeps_no_hand_and_no_options(self):
+        session = tactus.Session(bench.scene("free"), hand=lambda tick, pose, force: None, coupling="static")
+        session.replace(bench.scene("press"))
+        session.step(300)
+        plain = tactus.Session(bench.scene("press"))
+        plain.step(300)
+        self.assertEqual(session.state_hash, plain.state_hash)
+        self.assertIn("none is kept", " ".join(tactus.Session.replace.__doc__.split()))
 
     def test_a_million_steps_grow_nothing(self):
         session = tactus.Session(bench.scene("free"), history_ticks=100)

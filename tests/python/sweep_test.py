@@ -88,15 +88,129 @@ class Sweeps(unittest.TestCase):
         part = self.sweep(sweep, "--collect", "--csv", "part.csv", status=1)
         self.assertEqual((part["units"], part["done_before"], part["run"]), (4, 1, 0))
         self.assertEqual(self.read("part.csv").count(b"\n"), 2)
-        if shutil.which("parallel"):
-            subprocess.run(["parallel", "--will-cite"], input="\n".join(listed), text=True, check=True, cwd=self.scratch,
-                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        else:
-            for command in listed:
-                subprocess.run(command, shell=True, check=True, cwd=self.scratch)
+        for command in listed:
+            subprocess.run(command, shell=True, check=True, cwd=self.scratch)
         self.sweep(sweep, "--collect", "--csv", "listed.csv")
         self.sweep(sweep, "--folder", "other", "--csv", "direct.csv")
         self.assertEqual(self.read("listed.csv"), self.read("direct.csv"))
+        self.assertIn("excludes", self.sweep(sweep, "--collect", "--fresh", status=2)["error"])
+        self.assertEqual(self.sweep(sweep)["done_before"], 4)
+
+    def list_with_spaces(self):
+        sweep = self.write("my small $sweep.toml", SMALL % 3)
+        listed = subprocess.run([bench.PROGRAM, "sweep", sweep, "--folder", "a folder", "--list"], cwd=self.scratch, check=True,
+                                stdout=subprocess.PIPE, text=True).stdout
+        self.assertEqual(listed.count("\n"), 3)
+        return sweep, listed
+
+    def expect_the_listed_units(self, sweep):
+        report = self.sweep(sweep, "--folder", "a folder", "--collect", "--csv", "listed.csv")
+        self.assertEqual((report["done_before"], report["failed"]), (3, 0))
+        self.sweep(sweep, "--folder", "other", "--csv", "direct.csv")
+        self.assertEqual(self.read("listed.csv"), self.read("direct.csv"))
+
+    def test_gnu_parallel_runs_a_list_with_names_of_spaces(self):
+        if not shutil.which("parallel"):
+            self.skipTest("no GNU parallel (Debian: parallel)")
+        sweep, listed = self.list_with_spaces()
+        subprocess.run(["parallel", "--will-cite"], input=listed, text=True, check=True, cwd=self.scratch,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.expect_the_listed_units(sweep)
+
+    def test_a_slurm_array_runs_a_list(self):
+        sweep, listed = self.list_with_spaces()
+        self.write("units.txt", listed)
+        for task in (3, 1, 2):  # as Slurm starts the script
+            subprocess.run(["/bin/bash", os.path.join(bench.SOURCE, "tools", "examples", "slurm_array.sh"), "units.txt"],
+                           env={**os.environ, "SLURM_ARRAY_TASK_ID": str(task)}, cwd=self.scratch, check=True)
+        self.expect_the_listed_units(sweep)
+
+    def test_the_reader_of_a_list_may_go_away(self):
+        sweep = self.write("small.toml", SMALL % 2000)
+        process = subprocess.Popen([bench.PROGRAM, "sweep", sweep, "--list"], cwd=self.scratch, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE)
+        self.assertIn(b"--unit", process.stdout.readline())
+        process.stdout.close()
+        self.assertEqual(process.stderr.read(), b"")
+        process.stderr.close()
+        process.wait()
+
+    def test_a_sweep_far_from_the_scenes_has_those_of_tactus(self):
+        os.mkdir(self.at("far"))
+        shutil.copy(GAINS, self.at("far"))
+        report = self.sweep(os.path.join("far", "gains.toml"), "--csv", "far.csv")
+        self.assertEqual((report["run"], report["failed"]), (12, 0))
+        self.assertIn("nowhere.toml", self.sweep(self.write("none.toml", "scene='nowhere.toml'\n[keep]\nsummary=['a']"),
+                                                 status=2)["error"])
+
+    def test_keys_of_a_list_count_from_one(self):
+        text = (SMALL % 1).replace("press", "two") + "[keys]\n'body.%s.mass_kg' = [0.5, 2]\n"
+        self.write("two.toml", self.read("press.toml").decode() + """
+[[body]]
+shape = "box"
+size_m = [0.1, 0.1, 0.1]
+mass_kg = 1
+position_m = [1, 0, 1]
+""")
+        bodies = self.read("two.toml").count(b"[[body]]")
+        for number in ("0", "-1", "+1", " 1", "1.0", "x", str(bodies + 1), "99999999999"):
+            with self.subTest(number=number):
+                said = self.sweep(self.write("wrong.toml", text % number), status=2)["error"]
+                self.assertIn("N from 1", said)
+        report = self.sweep(self.write("right.toml", text % bodies), "--csv", "right.csv")
+        self.assertEqual((report["run"], report["failed"]), (2, 0))
+
+    def test_the_table_as_hdf5(self):
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("no h5py (Debian: python3-h5py)")
+        sweep = self.write("fails.toml", SMALL % 2 + '[options]\nrate_Hz = [1000, 20]\ncoupling = ["sub-world"]\n')
+        self.sweep(sweep, "--workers", 1, "--csv", "one.csv", "--hdf5", "one.h5", status=1)
+        self.sweep(sweep, "--workers", 3, "--folder", "other", "--hdf5", "three.h5", status=1)
+        self.assertEqual(self.read("one.h5"), self.read("three.h5"))
+        with open(self.at("one.csv"), newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        with h5py.File(self.at("one.h5")) as file:
+            table = file["units"][:]
+            self.assertEqual(list(table.dtype.names), list(rows[0]))
+            self.assertEqual(str(table.dtype["rate_Hz"]), "int64")
+            self.assertEqual(str(table.dtype["hand/force_max_N"]), "float64")
+        for row, record in zip(rows, table, strict=True):
+            for name, text in row.items():
+                value = record[name]
+                if isinstance(value, bytes):
+                    self.assertEqual(value.decode(), text)
+                else:
+                    self.assertEqual(repr(value.item()), text or "nan")
+
+    def test_damaged_results_are_said_before_anything_runs(self):
+        sweep = self.write("small.toml", SMALL % 4)
+        self.sweep(sweep)
+        whole = sorted(glob.glob(self.at("small.sweep/*.json")))
+        for path, content in zip(whole, (b"", b"{}", b"\xff\xfe" + b"[" * 30000)):
+            with open(path, "wb") as file:
+                file.write(content)
+        for options in ([], ["--collect"], ["--collect", "--csv", "a.csv"]):
+            lines = self.sweep(sweep, *options, status=2)["error"].splitlines()
+            self.assertEqual(len(lines), 3)
+            for line in lines:
+                self.assertRegex(line, r"^small\.sweep/[0-9a-f]+\.json: is damaged; accepted: ")
+        name = os.path.splitext(os.path.basename(whole[0]))[0]
+        self.assertIn("is damaged", self.sweep_unit(sweep, name))
+        self.assertEqual(self.sweep(sweep, "--fresh")["run"], 4)
+
+    def sweep_unit(self, sweep, name):
+        done = subprocess.run([bench.PROGRAM, "sweep", sweep, "--unit", name], cwd=self.scratch, check=False,
+                              stderr=subprocess.PIPE, text=True)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        return done.stderr
+
+    def test_folders_that_cannot_be_are_lines(self):
+        sweep = self.write("small.toml", SMALL % 1)
+        for folder in ("/etc/passwd", "/proc/nowhere", "small.toml/below"):
+            with self.subTest(folder=folder):
+                self.assertRegex(self.sweep(sweep, "--folder", folder, status=2)["error"], f"^--folder {folder}: .*; accepted: ")
 
     def test_a_unit_that_fails_is_a_row_and_the_rest_goes_on(self):
         sweep = self.write("fails.toml", SMALL % 1 + '[options]\nrate_Hz = [1000, 20]\n')
@@ -162,6 +276,15 @@ exec {bench.PROGRAM} "$@"
                 spread = self.experiment(*command, "--json", "--workers", 3).stdout
                 self.assertEqual(json.loads(spread), json.loads(alone))
         self.assertEqual(glob.glob(self.at("tactus-parts-*")), [])
+
+    def test_accuracy_cost_by_workers_has_the_errors_of_one_process(self):
+        command = ("accuracy-cost", "--quick", "--scenes", "press", "--seeds", 2, "--json")
+        reports = [json.loads(self.experiment(*command, *more).stdout) for more in ((), ("--workers", 2))]
+        errors = [[{key: value for key, value in point.items() if "_us" not in key and key not in ("on_front", "instructions")}
+                   for point in report["points"]] for report in reports]
+        self.assertGreater(len(errors[0]), 5)
+        self.assertTrue(all(len(point["force_error_by_seed"]) == 2 for point in errors[0]))
+        self.assertEqual(errors[0], errors[1])
 
     def test_a_part_that_fails_or_is_interrupted_is_said(self):
         said = self.experiment("energy-loss", "--quick", "--part", 99, "--json", status=2)
@@ -286,13 +409,27 @@ case "$*" in *--version*) echo fake;; *"--part 1") exit 2;; *) printf x;; esac
                            (SMALL % 1 + "[keys]\n'nothing.here' = 1", "[keys] nothing.here"),
                            (SMALL % 1 + "[keys]\n'proxy.mass_kg' = {from = 1}", "{from = A, to = B, steps = N}"),
                            ("scene = 'press.toml'", "nothing is kept"), ("scene =", "accepted: a sweep file"),
+                           ("a = " + "[" * 20000, "nested too deeply"), ("a = " + "[" * 400 + "]" * 400, "a: no such key"),
+                           (SMALL % 1 + "[keys]\na = " + "[" * 400 + "]" * 400, "nested too deeply"),
+                           (SMALL % 1 + "[keys]\na = [[[{b = 1}]]]", "accepted: a value"),
+                           (SMALL % 1 + "[keys]\na = [1979-05-27]", "accepted: a value"),
+                           (SMALL % 1 + "[keys]\n'proxy.mass_kg' = [1, 2, 1]", "1 twice; accepted: each value once"),
+                           (SMALL % 1 + "[keys]\n'a' = {from = 0, to = 1, steps = 100000000}", "2 to 100000 steps"),
+                           (SMALL % 1 + "[keys]\n'a' = {from = 0, to = 1%s, steps = 2}" % ("0" * 400), "two numbers"),
+                           (SMALL.replace("%d", "[1, 1]"), "seeds: 1 twice"), (SMALL.replace("%d", "[true]"), "seeds: [True]"),
+                           (SMALL % 100000000, "seeds: 100000000; accepted: their number, 1 to 100000"),
                            (SMALL.replace("%d", "'many'"), "seeds: many")):
             with self.subTest(said=said):
                 report = self.sweep(self.write("wrong.toml", text), status=2)
                 self.assertIn(said, report["error"])
+        with open(self.at("wrong.toml"), "wb") as file:
+            file.write(b"scene = '\xff'\n")
+        self.assertIn("can't decode", self.sweep("wrong.toml", status=2)["error"])
         sweep = self.write("small.toml", SMALL % 1)
         self.assertIn("is no unit", self.sweep(sweep, "--unit", "abc", status=2)["error"])
         self.assertIn("--trust-network", self.sweep(sweep, "--scheduler", "tcp://10.0.0.1:8786", status=2)["error"])
+        for address in ("tcp://localhost", "tcp://localhost:x", "tcp://localhost:99999", "tcp://[::1", "localhost:8786", "tcp://"):
+            self.assertIn("is no address", self.sweep(sweep, "--scheduler", address, status=2)["error"])
 
     def test_what_a_unit_costs_beyond_its_run(self):
         sweep = self.write("small.toml", SMALL % 40)

@@ -10,6 +10,7 @@ import unittest
 import bench
 import numpy as np
 import tactus
+from patience import PATIENCE_S, wait_for
 
 
 class Tapes(unittest.TestCase):
@@ -26,6 +27,43 @@ class Tapes(unittest.TestCase):
         cls.hand_ticks = session.look()
         session.close()
 
+        cls.of_mouse = cls.at("mouse.tape")
+        cls.lead_by_pointer(cls.of_mouse)
+
+    @classmethod
+    def lead_by_pointer(cls, tape):
+        """A run whose hand is led as the page's mouse leads it: by the control socket, with the pointer's hand."""
+        socket = cls.at("c.sock")
+        with subprocess.Popen([bench.PROGRAM, "run", bench.scene("press"), "--virtual-time", "--pace", "0.5", "--duration", "3600",
+                               "--hand", "pointer", "--control", socket, "--record", tape], stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE) as process:
+            try:
+                live = wait_for(lambda: cls.open(socket, process), "controller")
+                live.take_hand()
+                start = wait_for(lambda: (ticks := live.look())["tick"].size and ticks)["tool_position_x_m"][-1]
+
+                def moved():
+                    try:
+                        live.lead_hand((0.03, 0, -0.02))
+                    except tactus.UseError:  # it was silent for too long
+                        live.take_hand()
+                    return np.any(live.look()["tool_position_x_m"] > start + 0.01)
+
+                wait_for(moved)
+                live.request("stop")
+                process.wait(PATIENCE_S)
+            finally:
+                process.kill()
+
+    @staticmethod
+    def open(socket, process):
+        try:
+            return tactus.Live(socket)
+        except tactus.MachineError:
+            if process.poll() is not None:
+                raise
+            return None
+
     @classmethod
     def tearDownClass(cls):
         cls.scratch.cleanup()
@@ -35,7 +73,7 @@ class Tapes(unittest.TestCase):
         return os.path.join(cls.scratch.name, name)
 
     def test_columns_are_those_of_the_export(self):
-        for path in (self.of_program, self.of_hand):
+        for path in (self.of_program, self.of_mouse, self.of_hand):
             with self.subTest(tape=path):
                 exported = self.at("exported.csv")
                 subprocess.run([bench.PROGRAM, "export", path, "--csv", exported, "--overwrite"], check=True,
@@ -62,6 +100,14 @@ class Tapes(unittest.TestCase):
         self.assertEqual((replay.ticks, replay.compared, replay.different, replay.damage), (1500, 1500, 0, ""))
         program = bench.program("replay", self.of_hand)
         self.assertTrue(program["good"])
+
+    def test_a_tape_of_a_mouses_hand_has_its_way_and_replays(self):
+        tape = tactus.Tape(self.of_mouse)
+        self.assertEqual(tape.damage, "")
+        self.assertGreater(np.ptp(tape["tool_position_x_m"]), 0.01)
+        replay = tape.replay()
+        self.assertTrue(replay.same_bits)
+        self.assertEqual((replay.compared, replay.different), (len(tape), 0))
 
     def test_columns_are_read_only_and_keep_the_tape(self):
         force = tactus.Tape(self.of_hand)["force_z_N"]
@@ -107,8 +153,22 @@ class Tapes(unittest.TestCase):
             with self.assertRaises(tactus.FileError) as caught:
                 tactus.Tape(path)
             self.assertNotIn("\n", str(caught.exception))
+        tape = tactus.Tape(self.of_hand)
         with self.assertRaisesRegex(KeyError, "did you mean force_z_N"):
-            tactus.Tape(self.of_hand)["force_z"]
+            tape["force_z"]
+        for wrong in (0, None, b"tick", slice(3)):
+            with self.assertRaisesRegex(tactus.OptionError, "is no column"):
+                tape[wrong]
+            with self.assertRaisesRegex(tactus.OptionError, "is no column"):
+                tape.about(wrong)
+            self.assertNotIn(wrong, tape)
+        with self.assertRaises(KeyError):
+            tape["\ud800"]
+        for path, error, said in ((None, tactus.OptionError, "is no path"), (3, tactus.OptionError, "is no path"),
+                                  ("a\0b", tactus.OptionError, "is no path"), ("x\udc80.tape", tactus.FileError, r"x\\x80.tape")):
+            with self.subTest(path=path), self.assertRaisesRegex(error, said) as caught:
+                tactus.Tape(path)
+            self.assertNotIn("\n", str(caught.exception))
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ NOISE = 0.08                       # of the simulated participant: standard devi
 NORMAL = statistics.NormalDist()
 RIGHT = math.sqrt(0.5)             # 70.7 %, where 1-up-2-down settles
 TRUE = NORMAL.inv_cdf(RIGHT) * math.sqrt(2) * NOISE
-COLUMNS = ["trial", "difference", "stiffer_interval", "answer", "right"]
+COLUMNS = ["trial", "difference", "stiffer_interval", "answer", "right", "seed"]
 
 
 def scene_of(stiffness_N_per_m):
@@ -114,6 +114,10 @@ class Staircase:
 def study(seed, participant, folder):
     """All trials, those in the folder first; ends by the number of reversals."""
     rows = read_rows(folder)
+    for row in rows:
+        if row[5] != seed:
+            raise tactus.OptionError(f"--folder {folder}: its study has seed {row[5]}, and so another order; accepted: --seed "
+                                     f"{row[5]}, or another folder")
     stairs, order = Staircase(), np.random.default_rng([seed, 0])
     for trial in range(10_000):
         stiffer = int(order.integers(1, 3))
@@ -126,7 +130,7 @@ def study(seed, participant, folder):
                 tape = os.path.join(folder, f"trial{trial:04}-{interval}.tape") if folder else None
                 felt.append(participant.interval(trial, interval, stiffness, tape))
             answer = participant.answer(felt)
-            rows.append([trial, stairs.difference, stiffer, answer, int(answer == stiffer)])
+            rows.append([trial, stairs.difference, stiffer, answer, int(answer == stiffer), seed])
             write_row(folder, rows[-1])
         stairs.take(rows[trial][4] == 1)
     return rows
@@ -140,14 +144,20 @@ def read_rows(folder):
         text = file.read()
         whole = text[:text.rfind("\n") + 1]  # a break may have left half a row
         file.truncate(len(whole.encode()))
-    return [[int(row[0]), float(row[1]), *map(int, row[2:])] for row in list(csv.reader(whole.splitlines()))[1:]]
+    header, *rows = list(csv.reader(whole.splitlines())) or [COLUMNS]
+    try:
+        if header != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
+            raise ValueError
+        return [[int(row[0]), float(row[1]), *map(int, row[2:])] for row in rows]
+    except ValueError:
+        raise tactus.FileError(f"{path}: is no table of this study; accepted: the columns {', '.join(COLUMNS)}") from None
 
 
 def write_row(folder, row):
     if not folder:
         return
     path = os.path.join(folder, "trials.csv")
-    new = not os.path.exists(path)
+    new = not os.path.exists(path) or os.path.getsize(path) == 0
     with open(path, "a", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         if new:
@@ -159,7 +169,7 @@ def threshold_of(rows):
     """The most likely difference at which 70.7 % of the answers are right."""
     candidates = np.geomspace(0.005, 1, 400)
     score = np.zeros(len(candidates))
-    for _, difference, _, _, right in rows:
+    for _, difference, _, _, right, _ in rows:
         p = [min(NORMAL.cdf(NORMAL.inv_cdf(RIGHT) * difference / at), 1 - 1e-9) for at in candidates]
         score += np.log(p) if right else np.log1p(-np.array(p))
     return float(candidates[score.argmax()])
@@ -194,5 +204,7 @@ def main():
 if __name__ == "__main__":
     try:
         main()
+    except (EOFError, KeyboardInterrupt):
+        sys.exit("\nstiffness_discrimination: broken off; the same command goes on")
     except tactus.Error as error:
         sys.exit(f"stiffness_discrimination: {error}")

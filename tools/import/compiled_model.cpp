@@ -181,7 +181,8 @@ Result<CompiledModel> compile_model(const std::filesystem::path& program, const 
   } catch (const json::exception&) {
     // the same line as for a model that lacks something
   }
-  return Status::error(fmt::format("{}: the compiler gives no model", file.filename().string()));
+  return Status::error(
+      fmt::format("{}: the compiler gives no model; accepted: a model that MuJoCo compiles", file.filename().string()));
 }
 
 }  // namespace tactus::scene_import

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <sstream>
 
+#include "tools/import/check_scene.h"
 #include "tools/import/model_to_draft.h"
 
 namespace tactus::scene_import {
@@ -41,6 +43,8 @@ std::optional<ImportError> read_model(const ImportOptions& options, Imported& im
   }
   // Elements that are refused anyway may be why it does not compile: both are said.
   if (imported.account.refused.empty()) return ImportError{model.message()};
+  const bool lacks_files = std::ranges::count(imported.account.refused, "files", &Refusal::kind) > 0;
+  if (lacks_files && model.message().find("Error opening file") != std::string::npos) return {};
   const std::size_t accepted = model.message().rfind("; accepted: ");
   const std::string what = model.message().substr(0, accepted);
   imported.account.refuse({"", name, 0, what.starts_with(name + ": ") ? what.substr(name.size() + 2) : what,
@@ -51,6 +55,8 @@ std::optional<ImportError> read_model(const ImportOptions& options, Imported& im
 std::optional<ImportError> choose_proxy(const ImportOptions& options, SceneDraft& draft) {
   draft.proxy.device = options.device;
   draft.proxy.position = options.proxy_position;
+  if (const auto& p = options.proxy_position; p && !(std::isfinite(p->x) && std::isfinite(p->y) && std::isfinite(p->z)))
+    return ImportError{"--proxy-position: not finite; accepted: three finite numbers [m]"};
   if (options.proxy.empty()) return {};
   const char* end = options.proxy.data() + options.proxy.size();
   double radius = 0;
@@ -74,6 +80,16 @@ std::optional<ImportError> choose_proxy(const ImportOptions& options, SceneDraft
   }
   return ImportError{fmt::format("--proxy {}: no moving body has this name; accepted: a radius in m, or {}",
                                  options.proxy, names.empty() ? "nothing else" : names)};
+}
+
+// Of a model with elements that are refused: what the loader refuses of the others.
+std::optional<ImportError> refuse_more(const SceneDraft& draft, const std::string& name, Account& account) {
+  if (draft.bodies.empty()) return {};
+  Account of_draft;
+  const SceneFiles files = write_scene(draft, "shape", of_draft);
+  if (const Status status = check_scene(files, name, CheckScope::kElements, account); !status.ok())
+    return ImportError{fmt::format("{}: {}", name, status.message()), true};
+  return {};
 }
 
 }  // namespace
@@ -103,12 +119,15 @@ std::optional<ImportError> import_file(const ImportOptions& options, Imported& i
         fmt::format("{}: no kind that is known; accepted: .xml, .mjcf (MJCF), .urdf, .gltf, .glb, .obj, .stl", name)};
   }
   drop(options.drop, account);
-  if (!account.refused.empty()) return {};
   make_names_unique(draft);
+  if (!account.refused.empty()) return refuse_more(draft, name, account);
   if (auto error = choose_proxy(options, draft)) return error;
   draft.head.push_back(fmt::format("Made by tactus import from {}, by {}.", name, source));
   for (const std::string& text : account.dropped) draft.head.push_back("Left out by --drop: " + text);
-  imported.files = write_scene(draft, options.stem, account);
+  SceneFiles files = write_scene(draft, options.stem, account);
+  if (const Status status = check_scene(files, name, CheckScope::kWhole, account); !status.ok())
+    return ImportError{fmt::format("{}: {}", name, status.message()), true};
+  if (account.refused.empty()) imported.files = std::move(files);
   return {};
 }
 

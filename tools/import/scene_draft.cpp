@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "rt/base/rotation_vector.h"
@@ -234,6 +235,22 @@ class Writer {
     files_.text += "\n[simulation]\ncontact_hertz_Hz = 1000\nglobal_sub_steps_per_tick = 4\n";
     account.change(
         "filled in: [simulation] with contacts and joints of 1000 Hz and four sub-steps a tick, as there are joints");
+    if (has_loop())
+      account.change(
+          "a closed loop of joints moves with an error that falls with the sub-step: a four-bar linkage is 6 % off "
+          "MuJoCo's path over 2 s at --rate 1000, 0.7 % at --rate 8000");
+  }
+
+  // Does a joint join bodies that others join already? The world is number 0.
+  bool has_loop() const {
+    std::vector<std::size_t> group(draft_.bodies.size() + 1);
+    std::iota(group.begin(), group.end(), std::size_t{0});
+    for (const DraftJoint& joint : draft_.joints) {
+      const std::size_t a = group[joint.a ? *joint.a + 1 : 0], b = group[joint.b + 1];
+      if (a == b) return true;
+      std::ranges::replace(group, b, a);
+    }
+    return false;
   }
 
   void write_device(const Vec3d& position) {

@@ -2,14 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "sim/geometry/mesh_builder.h"
+#include "tools/import/gltf_depth.h"
 #include "tools/import/limited_process.h"
 #include "tools/import/shape_source.h"
 #include "tools/json_text.h"
 #if TACTUS_HAS_ASSIMP
 #include <assimp/DefaultIOSystem.h>
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -58,13 +61,17 @@ class Reader {
     std::error_code error;
     const auto real = std::filesystem::canonical(file_, error);
     if (error) return {{"error", "cannot be read"}};
+    if (const std::uintmax_t size = std::filesystem::file_size(real, error); error || size > kMaxFileBytes)
+      return {{"error", fmt::format("has more than {} MB", kMaxFileBytes >> 20)}};
+    if (y_up_)
+      if (const std::string deep = gltf_depth_problem(real); !deep.empty()) return {{"error", deep}};
     Assimp::Importer importer;
     importer.SetIOHandler(new FolderFiles(real.parent_path()));  // the importer owns it
     const aiScene* scene = importer.ReadFile(real.string(), aiProcess_Triangulate);
     if (scene == nullptr || scene->mRootNode == nullptr) return {{"error", importer.GetErrorString()}};
     note(scene->mNumCameras, "cameras");
     note(scene->mNumLights, "lights");
-    note(scene->mNumMaterials, "materials and textures");
+    note(materials_of(*scene), "materials and textures");
     for (unsigned i = 0; i < scene->mNumAnimations; ++i)
       refuse(fmt::format("the animation \"{}\"", scene->mAnimations[i]->mName.C_Str()),
              "leave it out, or write it as a path of a kinematic body");
@@ -73,6 +80,17 @@ class Reader {
   }
 
  private:
+  // Without the one that assimp makes up where a file has none.
+  unsigned materials_of(const aiScene& scene) const {
+    unsigned count = 0;
+    for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
+      const std::string name = scene.mMaterials[i]->GetName().C_Str();
+      const bool of_gltf = y_up_ && i + 1 == scene.mNumMaterials && name.empty();
+      if (!of_gltf && name != AI_DEFAULT_MATERIAL_NAME) ++count;
+    }
+    return count;
+  }
+
   void note(unsigned count, const char* what) {
     if (count > 0) left_out_.push_back(fmt::format("{}: {}", what, count));
   }
@@ -99,6 +117,7 @@ class Reader {
     std::vector<double> corners;
     std::vector<std::uint32_t> triangles;
     const Vec3d origin = place(here * aiVector3D());
+    const bool mirrored = here.Determinant() < 0;  // then its triangles go the other way round
     for (unsigned m = 0; m < node.mNumMeshes; ++m) {
       const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
       if (mesh.mNumBones > 0)
@@ -112,7 +131,7 @@ class Reader {
       }
       for (unsigned i = 0; i < mesh.mNumFaces; ++i)
         if (mesh.mFaces[i].mNumIndices == 3)
-          for (unsigned k = 0; k < 3; ++k) triangles.push_back(first + mesh.mFaces[i].mIndices[k]);
+          for (unsigned k = 0; k < 3; ++k) triangles.push_back(first + mesh.mFaces[i].mIndices[mirrored ? 2 - k : k]);
     }
     triangles_ += triangles.size() / 3;
     if (nodes_.size() >= kMaxShapeNodes || triangles_ > kMaxShapeTriangles)
@@ -125,6 +144,7 @@ class Reader {
                       {"extra", extra_of(node)}});
   }
 
+  // Custom properties; one that is no number is null.
   static json extra_of(const aiNode& node) {
     json extra = json::object();
     if (node.mMetaData != nullptr) collect(*node.mMetaData, extra);
@@ -135,6 +155,7 @@ class Reader {
     for (unsigned i = 0; i < data.mNumProperties; ++i) {
       const aiMetadataEntry& entry = data.mValues[i];
       const char* key = data.mKeys[i].C_Str();
+      if (entry.mType != AI_AIMETADATA) extra[key] = nullptr;
       if (entry.mType == AI_BOOL) extra[key] = *static_cast<bool*>(entry.mData) ? 1.0 : 0.0;
       if (entry.mType == AI_INT32) extra[key] = *static_cast<std::int32_t*>(entry.mData);
       if (entry.mType == AI_UINT64) extra[key] = *static_cast<std::uint64_t*>(entry.mData);
@@ -163,7 +184,8 @@ ShapeNode node_of(const json& object) {
   for (std::size_t i = 0; i + 2 < triangles.size(); i += 3)
     node.soup.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
   node.soup = sim::weld(node.soup);
-  for (const auto& [key, value] : object.at("extra").items()) node.extra[key] = value;
+  for (const auto& [key, value] : object.at("extra").items())
+    node.extra[key] = value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
   return node;
 }
 

@@ -14,7 +14,7 @@ struct ShapeNode {
   std::string name;
   Vec3d position;                       // of the node's origin
   sim::TriangleSoup soup;               // from there, welded
-  std::map<std::string, double> extra;  // custom properties of the node that are numbers or flags
+  std::map<std::string, double> extra;  // custom properties of the node; NaN: one that is no number and no flag
 };
 
 struct ShapeNodes {

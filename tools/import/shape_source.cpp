@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "rt/text/nearest_word.h"
 #include "tools/import/body_mass.h"
 #include "tools/import/shape_nodes.h"
 
@@ -10,12 +14,25 @@ namespace {
 
 constexpr std::size_t kMaxFixedTriangles = 20'000;
 
+// Custom properties that count.
+struct Property {
+  std::string_view name;
+  double least;
+  const char* accepted;
+};
+constexpr Property kProperties[] = {{"mass_kg", 1e-6, "a number, 1e-06 kg or more"},
+                                    {"density_kg_per_m3", 1e-3, "a number, 0.001 kg/m3 or more"},
+                                    {"friction", 0, "a number, 0 or more"},
+                                    {"fixed", 0, "true or false, 1 or 0"}};
+constexpr std::string_view kPropertyNames[] = {"mass_kg", "density_kg_per_m3", "friction", "fixed"};
+
 class NodeTranslator {
  public:
   NodeTranslator(std::string file, const ShapeOptions& options, const PieceOptions& pieces, Account& account)
       : file_(std::move(file)), options_(options), pieces_(pieces), account_(account) {}
 
   void add(ShapeNode node, SceneDraft& draft) {
+    const bool good = check_properties(node);
     for (Vec3d& corner : node.soup.corners) corner = corner * options_.unit_m;
     DraftBody body;
     body.name = node.name.empty() ? "shape" : node.name;
@@ -23,7 +40,8 @@ class NodeTranslator {
     body.pose = {options_.unit_m * node.position, {}};
     body.friction = extra(node, "friction", options_.friction);
     const bool fixed = extra(node, "fixed", options_.fixed ? 1 : 0) != 0;
-    if (fixed ? set_fixed(std::move(node), body) : set_moving(node, body)) draft.bodies.push_back(std::move(body));
+    const bool made = fixed ? set_fixed(std::move(node), body) : set_moving(node, body);
+    if (made && good) draft.bodies.push_back(std::move(body));
   }
 
  private:
@@ -34,6 +52,31 @@ class NodeTranslator {
   bool refuse(const DraftBody& body, std::string what, std::string accepted) {
     account_.refuse({"", file_, 0, fmt::format("{}: {}", body.origin, what), std::move(accepted)});
     return false;
+  }
+
+  // Those that are not known belong to other programs: the account lists them. False where one is refused.
+  bool check_properties(ShapeNode& node) {
+    std::vector<std::string> bad;
+    std::string others;
+    for (const auto& [key, value] : node.extra) {
+      const auto* const known = std::ranges::find(kProperties, key, &Property::name);
+      if (known == std::end(kProperties)) {
+        const auto nearest = text::nearest_word(key, kPropertyNames);
+        others += fmt::format("{}{}{}", others.empty() ? "" : ", ", key,
+                              nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest));
+        continue;
+      }
+      if (std::isfinite(value) && value >= known->least) continue;
+      account_.refuse({"", file_, 0,
+                       fmt::format("node \"{}\": {}: {}", node.name, key,
+                                   std::isnan(value) ? "no number" : fmt::format("{:g}", value)),
+                       known->accepted});
+      bad.push_back(key);
+    }
+    for (const std::string& key : bad) node.extra.erase(key);  // what else is wrong is judged without them
+    if (!others.empty())
+      account_.left_out.push_back(fmt::format("custom properties of node \"{}\": {}", node.name, others));
+    return bad.empty();
   }
 
   // Both: false where it is refused.

@@ -1,7 +1,10 @@
 #include "tools/python/errors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 namespace py = pybind11;
 
@@ -40,7 +43,12 @@ void add_errors(py::module_& module) {
 
 void raise(Error::Kind kind, const std::string& message) {
   const auto index = static_cast<std::size_t>(kind) - static_cast<std::size_t>(Error::Kind::kFile);
-  PyErr_SetString(g_exceptions.at(index).type, message.c_str());
+  // What is no UTF-8, such as a file's name, is shown as \xNN.
+  PyObject* const text =
+      PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace");
+  if (text == nullptr) throw py::error_already_set();
+  PyErr_SetObject(g_exceptions.at(index).type, text);
+  Py_DECREF(text);
   throw py::error_already_set();
 }
 
@@ -51,6 +59,29 @@ std::string shown(const py::handle& value) {
       text, [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
   if (text.size() > kLongest) text = text.substr(0, kLongest - 3) + "...";
   return text;
+}
+
+std::filesystem::path path_of(const py::handle& value, const char* call) {
+  PyObject* bytes = nullptr;
+  if (PyUnicode_FSConverter(value.ptr(), &bytes) == 0) {
+    PyErr_Clear();
+    raise(Error::Kind::kOption,
+          fmt::format("{}: {} is no path; accepted: text or a path, without NUL", call, shown(value)));
+  }
+  return std::string(py::reinterpret_steal<py::bytes>(bytes));
+}
+
+void* ZeroedByPython::operator new(std::size_t bytes) {
+  void* const memory = ::operator new(bytes);
+  std::memset(memory, 0, bytes);
+  return memory;
+}
+
+void ZeroedByPython::operator delete(void* memory) noexcept { ::operator delete(memory); }
+
+void ZeroedByPython::made(const char* name) const {
+  if (mark_ != kMade)
+    raise(Error::Kind::kUse, fmt::format("{}: it has no content; accepted: one that {}(...) made", name, name));
 }
 
 void raise_if(const Error& error) {

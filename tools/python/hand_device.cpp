@@ -23,7 +23,11 @@ HandDevice::HandDevice(const sim::Scene& scene, const hal::DeviceProfile& profil
 
 HandDevice::State HandDevice::initial_state() const {
   const Posed start = hand_.target_at(0.0).pose;
-  State state{hal::Plant(profile_.plant, hand_.parameters(), start, profile_.kinematics), start, {}, {}, false, {}, 0};
+  State state{.plant = hal::Plant(profile_.plant, hand_.parameters(), start, profile_.kinematics),
+              .target = start,
+              .push = {},
+              .commands = {},
+              .felt = {}};
   state.commands.resize(profile_.transport_delay_ticks);
   return state;
 }
@@ -74,15 +78,33 @@ Posed HandDevice::measured() const noexcept {
   return profile_.kinematics.pose_of(coordinates);
 }
 
-// The target moves from the last to the next at constant velocity.
 void HandDevice::advance() noexcept {
   const Quatd world_from_device = placement_.world_from_device.rotation;
   const HandAsked asked{state_.reads - 1, to_world(measured()),
                         library::to_public(rotate(world_from_device, state_.felt.force)),
                         library::to_public(rotate(world_from_device, state_.felt.torque))};
+  const bool pushed = state_.push.has_value();
   const Posed from = state_.target;
-  HandPose wanted;
-  if (ask_(asked, wanted)) state_.target = to_device(wanted);
+  HandWish wish;
+  if (ask_(asked, wish)) {
+    state_.push.reset();
+    if (const auto* push = std::get_if<HandPush>(&wish))
+      state_.push = Wrenchd{rotate_inverse(world_from_device, library::to_inner(push->force_N)),
+                            rotate_inverse(world_from_device, library::to_inner(push->torque_Nm))};
+    else
+      state_.target = to_device(std::get<HandPose>(wish));
+  }
+  // A hand that ceases to push holds the tool from where it is.
+  step_plant(pushed ? state_.plant.pose() : from);
+}
+
+// The target moves from the last to the next at constant velocity.
+void HandDevice::step_plant(const Posed& from) noexcept {
+  if (state_.push) {
+    for (unsigned s = 1; s <= kSubSteps; ++s)
+      state_.plant.step_pushed(period_s_ / kSubSteps, state_.effort, state_.brake, *state_.push);
+    return;
+  }
   const Vec3d move = state_.target.position - from.position;
   const Vec3d turn = rotation_vector_of(state_.target.rotation * conjugate(from.rotation));
   const Twistd twist{move * (1.0 / period_s_), turn * (1.0 / period_s_)};

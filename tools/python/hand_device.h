@@ -1,5 +1,6 @@
-// A simulated device whose hand follows targets that its owner gives, one a tick: the arm of the scene's profile, with
-// its encoders and the delay of its link, held by the impedance of the scene's [hand]. No link, so no injected faults.
+// A simulated device whose hand follows targets, or pushes with wrenches, that its owner gives, one a tick: the arm of
+// the scene's profile, with its encoders and the delay of its link, led by the impedance of the scene's [hand], or
+// pushed by the wrench alone, with the hand's mass on it. No link, so no injected faults.
 //
 // Thread: one, in virtual time. Frame: targets, and what the owner is told, in the world; the Device's own interface in
 // the device's. Bound: read() takes the owner's time plus a constant.
@@ -7,6 +8,8 @@
 
 #include <deque>
 #include <functional>
+#include <optional>
+#include <variant>
 
 #include "hal/plant.h"
 #include "sim/model/scene.h"
@@ -19,6 +22,13 @@ struct HandPose {
   Quaternion rotation{1, 0, 0, 0};
 };
 
+// What a hand pushes the tool with, in place of leading it to a pose; about the tool's origin, world axes.
+struct HandPush {
+  Vector3 force_N{};
+  Vector3 torque_Nm{};
+};
+using HandWish = std::variant<HandPose, HandPush>;
+
 // What the hand feels when it is asked.
 struct HandAsked {
   std::uint64_t tick{0};  // whose sample the target leads to
@@ -27,8 +37,8 @@ struct HandAsked {
   Vector3 torque_Nm{};    // same, about the tool's origin
 };
 
-// Where the hand wants the tool at the end of the coming period; false: where it wanted it before.
-using AskHand = std::function<bool(const HandAsked& asked, HandPose& target)>;
+// Where the hand wants the tool at the end of the coming period, or what it pushes with until then; false: as before.
+using AskHand = std::function<bool(const HandAsked& asked, HandWish& wish)>;
 
 class HandDevice final : public Device {
  public:
@@ -36,6 +46,7 @@ class HandDevice final : public Device {
   struct State {
     hal::Plant plant;
     Posed target;                        // device frame
+    std::optional<Wrenchd> push;         // same; the hand pushes, and has no target
     std::deque<DeviceCommand> commands;  // on their way to the motors, the oldest first
     hal::AxisVector effort{};            // of the motors
     bool brake{false};
@@ -60,6 +71,7 @@ class HandDevice final : public Device {
   void apply_next_command() noexcept;
   HandPose to_world(const Posed& device_from_tool) const noexcept;
   Posed to_device(const HandPose& pose) const noexcept;
+  void step_plant(const Posed& from) noexcept;
 
   sim::DevicePlacement placement_;
   hal::DeviceProfile profile_;

@@ -1,7 +1,6 @@
 // tactus._core.Live: a running controller's publication, copied look by look, and requests to its control socket.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <cstddef>
 #include <memory>
@@ -64,7 +63,7 @@ py::array contacts_of(const Frame& frame) {
                    {static_cast<py::ssize_t>(sizeof(ContactForce))}, frame.contacts.data());  // a copy: it has no owner
 }
 
-class LiveObject {
+class LiveObject : public ZeroedByPython {
  public:
   explicit LiveObject(std::filesystem::path socket) : socket_(std::move(socket)) {
     auto opened = without_gil([&] { return publication::WatchedController::open(socket_); });
@@ -108,6 +107,7 @@ class LiveObject {
   }
 
   std::string state() {
+    made("Live");
     std::string text;
     if (watcher().read_state(text)) state_ = text;
     return state_;
@@ -117,6 +117,7 @@ class LiveObject {
 
   // The answer, a line of JSON.
   std::string ask(const std::string& line) const {
+    made("Live");
     const auto reply = without_gil([&] { return service::ask_control(socket_, line); });
     if (!reply.ok()) raise(Error::Kind::kMachine, reply.message());
     return reply.value();
@@ -134,6 +135,7 @@ class LiveObject {
 
  private:
   publication::Watcher& watcher() {
+    made("Live");
     if (controller_ == nullptr) raise(Error::Kind::kUse, "Live: it is closed");
     return controller_->watcher();
   }
@@ -153,7 +155,8 @@ class LiveObject {
 
 void add_live(py::module_& module) {
   py::class_<LiveObject>(module, "Live", "A running controller, watched read-only.")
-      .def(py::init<std::filesystem::path>(), py::arg("socket"))
+      .def(py::init([](const py::object& socket) { return std::make_unique<LiveObject>(path_of(socket, "Live")); }),
+           py::arg("socket"))
       .def(
           "look", &LiveObject::look,
           "The ticks since the last look, oldest first: a dict with an array (ticks,) for each column of Tape.columns, "

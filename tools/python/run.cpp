@@ -19,7 +19,17 @@ using Kind = Error::Kind;
 
 constexpr std::uint64_t kTicksBetweenSignals = 1000;  // Ctrl-C is seen after at most so many ticks
 constexpr const char* kAcceptedTarget =
-    "3 numbers, the position in m, or 7, position and rotation w x y z, in the world's frame";
+    "3 numbers, the position in m, 7, position and rotation w x y z, or 6, the force in N and the torque in N m of a "
+    "hand that pushes, in the world's frame";
+
+HandPush push_of(const double* row) {
+  HandPush push;
+  std::copy_n(row, 3, push.force_N.begin());
+  std::copy_n(row + 3, 3, push.torque_Nm.begin());
+  if (!std::all_of(row, row + 6, [](double x) { return std::isfinite(x); }))
+    raise(Kind::kOption, fmt::format("hand: a wrench is not finite; accepted: {}", kAcceptedTarget));
+  return push;
+}
 
 HandPose pose_of(const double* row, py::ssize_t columns) {
   HandPose pose;
@@ -35,11 +45,21 @@ HandPose pose_of(const double* row, py::ssize_t columns) {
   return pose;
 }
 
+bool is_wish(py::ssize_t numbers) { return numbers == 3 || numbers == 6 || numbers == 7; }
+
+HandWish wish_of(const double* row, py::ssize_t numbers) {
+  if (numbers == 6) return push_of(row);
+  return pose_of(row, numbers);
+}
+
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 Numbers numbers_of(const py::handle& value) {
-  Numbers numbers = Numbers::ensure(value);
-  if (numbers) return numbers;
+  const py::array given = py::array::ensure(value);
+  if (given && given.dtype().kind() != 'c') {  // of complex numbers the imaginary part would be lost
+    Numbers numbers = Numbers::ensure(given);
+    if (numbers) return numbers;
+  }
   PyErr_Clear();
   raise(Kind::kOption, fmt::format("hand: {} is no target; accepted: {}", shown(value), kAcceptedTarget));
 }
@@ -62,16 +82,17 @@ py::array array_of(const Vector3& force, const Vector3& torque) {
 
 Targets Targets::from(const py::handle& value) {
   const Numbers numbers = numbers_of(value);
-  const bool fits = numbers.ndim() == 2 && (numbers.shape(1) == 3 || numbers.shape(1) == 7);
+  const bool fits = numbers.ndim() == 2 && is_wish(numbers.shape(1));
   if (!fits) {
     std::vector<py::ssize_t> shape(numbers.shape(), numbers.shape() + numbers.ndim());
-    raise(Kind::kOption, fmt::format("step: targets of shape ({}); accepted: (ticks, 3) or (ticks, 7), a row each: {}",
-                                     fmt::join(shape, ", "), kAcceptedTarget));
+    raise(Kind::kOption,
+          fmt::format("step: targets of shape ({}); accepted: (ticks, 3), (ticks, 7) or (ticks, 6), a row each: {}",
+                      fmt::join(shape, ", "), kAcceptedTarget));
   }
   Targets targets;
   targets.rows.reserve(static_cast<std::size_t>(numbers.shape(0)));
   for (py::ssize_t row = 0; row < numbers.shape(0); ++row)
-    targets.rows.push_back(pose_of(numbers.data(row, 0), numbers.shape(1)));
+    targets.rows.push_back(wish_of(numbers.data(row, 0), numbers.shape(1)));
   return targets;
 }
 
@@ -140,7 +161,7 @@ void Run::lead(unsigned hand, const py::handle& leader, const sim::Scene& scene,
   const sim::Scene of_hand = sim::scene_of_hand(scene, hand);
   const auto profile = session::find_description(of_hand.device.profile, {});
   if (!profile.ok()) raise(Kind::kFile, profile.message());
-  const auto ask = [this, &led](const HandAsked& asked, HandPose& target) { return this->ask(led, asked, target); };
+  const auto ask = [this, &led](const HandAsked& asked, HandWish& wish) { return this->ask(led, asked, wish); };
   led.device = std::make_unique<HandDevice>(of_hand, profile.value(), 1.0 / options.rate_Hz, ask);
 }
 
@@ -179,7 +200,7 @@ std::uint64_t Run::take_targets(const py::handle& targets) {
     if (PySequence_Check(targets.ptr()) == 0 || py::isinstance<py::str>(targets) || py::len(targets) != hands_.size())
       raise(Kind::kOption,
             fmt::format("Session.step: targets for {} hands; accepted: a list with an array (ticks, 3) or "
-                        "(ticks, 7), or None, for each",
+                        "(ticks, 7), or (ticks, 6), or None, for each",
                         hands_.size()));
     of_hands.clear();
     for (const auto& one : py::reinterpret_borrow<py::sequence>(targets))
@@ -207,16 +228,16 @@ std::uint64_t Run::take_targets(const py::handle& targets) {
   return *rows;
 }
 
-bool Run::ask(Hand& hand, const HandAsked& asked, HandPose& target) noexcept {
+bool Run::ask(Hand& hand, const HandAsked& asked, HandWish& wish) noexcept {
   if (hand.block) {
     if (hand.next_row >= hand.block->rows.size()) return false;
-    target = hand.block->rows[hand.next_row++];
+    wish = hand.block->rows[hand.next_row++];
     return true;
   }
   if (!hand.function || error_of_hand_) return false;
   try {
     py::gil_scoped_acquire gil;
-    return ask_function(hand, asked, target);
+    return ask_function(hand, asked, wish);
   } catch (...) {
     error_of_hand_ = std::current_exception();
     session_.stop();
@@ -224,14 +245,14 @@ bool Run::ask(Hand& hand, const HandAsked& asked, HandPose& target) noexcept {
   }
 }
 
-bool Run::ask_function(const Hand& hand, const HandAsked& asked, HandPose& target) {
+bool Run::ask_function(const Hand& hand, const HandAsked& asked, HandWish& wish) {
   const py::object wanted = hand.function(asked.tick, array_of(asked.tool), array_of(asked.force_N, asked.torque_Nm));
   if (wanted.is_none()) return false;
   const Numbers numbers = numbers_of(wanted);
-  if (numbers.ndim() != 1 || (numbers.size() != 3 && numbers.size() != 7))
+  if (numbers.ndim() != 1 || !is_wish(numbers.size()))
     raise(Kind::kOption, fmt::format("hand: a target of {} numbers in {} dimensions; accepted: {}", numbers.size(),
                                      numbers.ndim(), kAcceptedTarget));
-  target = pose_of(numbers.data(), numbers.size());
+  wish = wish_of(numbers.data(), numbers.size());
   return true;
 }
 

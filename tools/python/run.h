@@ -14,19 +14,21 @@
 #include <vector>
 
 #include "tactus/session.h"
+#include "tools/python/errors.h"
 #include "tools/python/hand_device.h"
 
 namespace tactus::python {
 
-// Targets of a hand for a block of ticks, a row each: position, or position and rotation.
+// Targets of a hand for a block of ticks, a row each: position, or position and rotation; or wrenches.
 struct Targets {
-  std::vector<HandPose> rows;
+  std::vector<HandWish> rows;
   // Raises OptionError: another shape, or a number that is not finite. Rotations are normalised.
   static Targets from(const pybind11::handle& value);
 };
 
 // What Run::save gives to Python.
-struct Saved {
+struct Saved : ZeroedByPython {
+  using ZeroedByPython::made;
   SavedState session;
   std::vector<std::optional<HandDevice::State>> hands;
 };
@@ -50,8 +52,8 @@ class Run {
   };
 
   void step(std::uint64_t ticks);
-  // One tick for each row. `targets`: (ticks, 3) or (ticks, 7) numbers; with several hands a sequence of these, one for
-  // each hand, or None: it is led as without targets. Raises.
+  // One tick for each row. `targets`: (ticks, 3) or (ticks, 7) numbers, or (ticks, 6), wrenches; with several hands a
+  // sequence of these, one for each hand, or None: it is led as without targets. Raises.
   void step(const pybind11::handle& targets);
   void reset();
   Saved save() const;
@@ -79,8 +81,8 @@ class Run {
   };
 
   void lead(unsigned hand, const pybind11::handle& leader, const sim::Scene& scene, const Options& options);
-  bool ask(Hand& hand, const HandAsked& asked, HandPose& target) noexcept;
-  bool ask_function(const Hand& hand, const HandAsked& asked, HandPose& target);
+  bool ask(Hand& hand, const HandAsked& asked, HandWish& wish) noexcept;
+  bool ask_function(const Hand& hand, const HandAsked& asked, HandWish& wish);
   std::uint64_t take_targets(const pybind11::handle& targets);
   void keep_ticks(unsigned hand);
   void end_with_error_of_hand();

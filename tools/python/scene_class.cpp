@@ -1,7 +1,6 @@
 // The checked scene behind tactus.Scene, whose keys Python holds.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include "tactus/scene.h"
 #include "tools/python/classes.h"
@@ -90,9 +89,9 @@ std::vector<BodyNumber> proxies(const Scene& scene) {
   return proxies;
 }
 
-Scene load(const std::filesystem::path& file) {
+Scene load(const py::object& file) {
   Scene scene;
-  raise_if(scene.load(file));
+  raise_if(scene.load(path_of(file, "Scene")));
   return scene;
 }
 

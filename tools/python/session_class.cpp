@@ -1,7 +1,6 @@
 // tactus.Session's own part: calls, state and views of a Run.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include "tools/python/classes.h"
 #include "tools/python/errors.h"
@@ -15,23 +14,24 @@ namespace tactus::python {
 namespace {
 
 // The Run may be another one tomorrow; views stay with the one that they are of.
-class SessionObject {
+class SessionObject : public ZeroedByPython {
  public:
   SessionObject(const Scene& scene, const py::object& hand, const py::dict& options)
       : run_(std::make_shared<Run>(scene, hand, options_of(options))) {}
 
   void replace(const Scene& scene, const py::object& hand, const py::dict& options) {
+    made("Session");
     auto next = std::make_shared<Run>(scene, hand, options_of(options));
     {
-      const Run::Call call(*run_, "replace");
-      run_->leave_views();
+      const Run::Call call(run(), "replace");
+      run().leave_views();
     }
     run_ = std::move(next);
   }
 
   void step(const py::object& ticks) {
-    const Run::Call call(*run_, "step");
-    if (py::isinstance<py::array>(ticks) || PyIndex_Check(ticks.ptr()) == 0) return run_->step(ticks);
+    const Run::Call call(run(), "step");
+    if (py::isinstance<py::array>(ticks) || PyIndex_Check(ticks.ptr()) == 0) return run().step(ticks);
     const py::int_ number = py::reinterpret_steal<py::int_>(PyNumber_Index(ticks.ptr()));
     const long long count = PyLong_AsLongLong(number.ptr());
     if (count < 0 || PyErr_Occurred() != nullptr) {
@@ -39,100 +39,106 @@ class SessionObject {
       raise(Error::Kind::kOption,
             fmt::format("Session.step: {} ticks; accepted: 0 or more, or an array of targets", shown(ticks)));
     }
-    run_->step(static_cast<std::uint64_t>(count));
+    run().step(static_cast<std::uint64_t>(count));
   }
 
-  void record(const std::filesystem::path& tape) {
-    const Run::Call call(*run_, "record");
-    raise_if(run_->session().record(tape));
+  void record(const py::object& tape) {
+    const Run::Call call(run(), "record");
+    raise_if(run().session().record(path_of(tape, "Session.record")));
   }
   void reset() {
-    const Run::Call call(*run_, "reset");
-    run_->reset();
+    const Run::Call call(run(), "reset");
+    run().reset();
   }
   void close() {
-    const Run::Call call(*run_, "close");
-    raise_if(run_->session().close());
+    const Run::Call call(run(), "close");
+    raise_if(run().session().close());
   }
   Saved save() const {
-    const Run::Call call(*run_, "save");
-    return run_->save();
+    const Run::Call call(run(), "save");
+    return run().save();
   }
-  void restore(const Saved& saved) {
-    const Run::Call call(*run_, "restore");
-    run_->restore(saved);
+  void restore(const py::object& saved) {
+    const Run::Call call(run(), "restore");
+    if (!py::isinstance<Saved>(saved))
+      raise(Error::Kind::kOption,
+            fmt::format("Session.restore: {} is no saved state; accepted: what save() returned", shown(saved)));
+    const auto& state = saved.cast<const Saved&>();
+    state.made("SavedState");
+    run().restore(state);
   }
 
-  unsigned hands() const { return run_->session().hands(); }
+  unsigned hands() const { return run().session().hands(); }
 
   // Each of these is of one hand, which must be there.
-  void request(const std::string& word, unsigned hand) {
+  void request(const py::object& asked, unsigned hand) {
     static const std::pair<std::string_view, Request> kRequests[] = {{"arm", Request::kArm},
                                                                      {"rearm", Request::kRearm},
                                                                      {"disarm", Request::kDisarm},
                                                                      {"reset_scene", Request::kResetScene}};
+    const std::string word = shown(asked);
     for (const auto& [name, request] : kRequests)
-      if (name == word) return run_->session().request(request, hand);
+      if (word == fmt::format("'{}'", name)) return run().session().request(request, hand);
     raise(Error::Kind::kOption,
-          fmt::format("Session.request: '{:.32}' is no request; accepted: arm, rearm, disarm, reset_scene", word));
+          fmt::format("Session.request: {} is no request; accepted: arm, rearm, disarm, reset_scene", word));
   }
   py::array look(unsigned hand) {
-    const Run::Call call(*run_, "look");
-    auto ticks = std::make_unique<std::vector<Tick>>(run_->look(hand));
+    const Run::Call call(run(), "look");
+    auto ticks = std::make_unique<std::vector<Tick>>(run().look(hand));
     const std::span<const Tick> span = *ticks;
     const py::capsule owner(ticks.release(), [](void* kept) { delete static_cast<std::vector<Tick>*>(kept); });
     return items_of(tick_type(), span, owner);
   }
-  std::uint64_t ticks_lost(unsigned hand) const { return run_->ticks_lost(hand); }
+  std::uint64_t ticks_lost(unsigned hand) const { return run().ticks_lost(hand); }
   py::object last(unsigned hand) const {
-    const Run::Call call(*run_, "last");
-    const Tick& tick = run_->session().last(hand);
+    const Run::Call call(run(), "last");
+    const Tick& tick = run().session().last(hand);
     return py::array(tick_type(), 1, &tick)[py::int_(0)];
   }
   py::array roles(unsigned hand) {
-    const Run::Call call(*run_, "roles");
-    run_->show_bodies();
-    const auto roles = run_->session().roles(hand);
+    const Run::Call call(run(), "roles");
+    run().show_bodies();
+    const auto roles = run().session().roles(hand);
     return view_of(py::dtype::of<std::uint8_t>(), {static_cast<py::ssize_t>(roles.size())}, {1}, roles.data(), owner());
   }
   py::array members(unsigned hand) {
-    const Run::Call call(*run_, "members");
-    run_->show_bodies();
-    return items_of(py::dtype::of<std::uint32_t>(), run_->session().members(hand), owner());
+    const Run::Call call(run(), "members");
+    run().show_bodies();
+    return items_of(py::dtype::of<std::uint32_t>(), run().session().members(hand), owner());
   }
   py::array contacts(unsigned hand) {
-    const Run::Call call(*run_, "contacts");
-    run_->show_bodies();
-    return items_of(contact_type(), run_->session().contacts(hand), owner());
+    const Run::Call call(run(), "contacts");
+    run().show_bodies();
+    return items_of(contact_type(), run().session().contacts(hand), owner());
   }
   py::array border(unsigned hand) {
-    const Run::Call call(*run_, "border");
-    run_->show_bodies();
-    return items_of(border_contact_type(), run_->session().border_contacts(hand), owner());
+    const Run::Call call(run(), "border");
+    run().show_bodies();
+    return items_of(border_contact_type(), run().session().border_contacts(hand), owner());
   }
   std::string state_hash(unsigned hand) const {
-    const Run::Call call(*run_, "state_hash");
-    return fmt::format("{:016x}", run_->session().state_hash(hand));
+    const Run::Call call(run(), "state_hash");
+    return fmt::format("{:016x}", run().session().state_hash(hand));
   }
   std::vector<std::string> notes(unsigned hand) const {
-    const Run::Call call(*run_, "notes");
-    return run_->session().notes(hand);
+    const Run::Call call(run(), "notes");
+    return run().session().notes(hand);
   }
   Summary summary(unsigned hand) const {
-    const Run::Call call(*run_, "summary");
-    return run_->session().summary(hand);
+    const Run::Call call(run(), "summary");
+    return run().session().summary(hand);
   }
 
   template <class Field>
   py::array bodies(Field BodyState::*field, const char* name) {
-    const Run::Call call(*run_, name);
-    run_->show_bodies();
-    return field_of(run_->session().bodies(), field, owner());
+    const Run::Call call(run(), name);
+    run().show_bodies();
+    return field_of(run().session().bodies(), field, owner());
   }
-  std::uint64_t ticks() const { return run_->session().ticks_done(); }
-  double time_s() const { return run_->session().time_s(); }
-  double period_s() const { return run_->session().period_s(); }
-  const Scene& scene() const { return run_->session().scene(); }
+  std::uint64_t ticks() const { return run().session().ticks_done(); }
+  double time_s() const { return run().session().time_s(); }
+  double period_s() const { return run().session().period_s(); }
+  const Scene& scene() const { return run().session().scene(); }
 
  private:
   py::capsule owner() const {
@@ -140,16 +146,22 @@ class SessionObject {
                        [](void* kept) { delete static_cast<std::shared_ptr<Run>*>(kept); });
   }
 
+  Run& run() const {
+    made("Session");
+    return *run_;
+  }
+
   std::shared_ptr<Run> run_;
 };
 
 // One hand of a session: its number, and the session's Python object, which it keeps alive. After a replace() it is of
 // the new scene.
-class HandObject {
+class HandObject : public ZeroedByPython {
  public:
   HandObject(py::object session, unsigned number) : session_(std::move(session)), number_(number) {}
 
   SessionObject& session() const {
+    made("SessionHand");
     auto& session = session_.cast<SessionObject&>();
     if (number_ >= session.hands())
       raise(Error::Kind::kUse, fmt::format("Session.hands[{}]: the scene was replaced, and this one has {} hands; "
@@ -212,7 +224,7 @@ void add_of_hand(py::class_<Object>& object) {
            "torque_Nm (on the hand, device frame), proxy_position_m (world), device_energy_J, damped_energy_J, "
            "border_work_J, border_tank_J, fault, conditions, members, contacts and more.")
       .def(
-          "request", [](Object& self, const std::string& word) { session_of(self).request(word, hand_of(self)); },
+          "request", [](Object& self, const py::object& word) { session_of(self).request(word, hand_of(self)); },
           py::arg("word"), "For the next tick: arm, rearm, disarm or reset_scene; the last is of all hands.");
 }
 
@@ -237,7 +249,8 @@ void add_calls(py::class_<SessionObject>& session) {
   session
       .def("step", &SessionObject::step, py::arg("ticks"),
            "Computes so many ticks, without the GIL; or, with an array of targets for the hand, (ticks, 3) or (ticks, "
-           "7) float64, position in m and rotation w x y z, world, one tick for each row. With several hands: a list "
+           "7) float64, position in m and rotation w x y z, or of wrenches, (ticks, 6), N and N m, world, one tick for "
+           "each row. With several hands: a list "
            "with such an array for each, of as many rows, or None: that hand is led as without targets.")
       .def(
           "record", &SessionObject::record, py::arg("tape"),

@@ -1,6 +1,8 @@
 // tactus.Tape's own part: a tape's ticks in memory, read once; columns are views of them, as `tactus export` has them.
+#include <fmt/format.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
 
 #include "rt/base/status.h"
 #include "tactus/tape.h"
@@ -21,9 +23,10 @@ struct Gap {
   std::uint64_t ticks{0};       // missing there, by the numbers of the ticks
 };
 
-class TapeObject : public std::enable_shared_from_this<TapeObject> {
+class TapeObject : public ZeroedByPython {
  public:
-  static std::shared_ptr<TapeObject> open(const std::filesystem::path& path) {
+  static std::shared_ptr<TapeObject> open(const py::object& file) {
+    const std::filesystem::path path = path_of(file, "Tape");
     auto tape = std::make_shared<TapeObject>();
     Status status = Status::good();
     {
@@ -34,8 +37,22 @@ class TapeObject : public std::enable_shared_from_this<TapeObject> {
     return tape;
   }
 
-  py::array column(const std::string& name) {
-    return column_of(rows_, column_named(name), period_s_, py::cast(shared_from_this()));
+  // `self`: this tape's Python object, which the view keeps.
+  static py::array column(const py::object& self, const py::object& name) {
+    const auto& tape = self.cast<const TapeObject&>();
+    tape.made("Tape");
+    return column_of(tape.rows_, column_of_name(name), tape.period_s_, self);
+  }
+
+  static const exporting::Column& column_of_name(const py::object& name) {
+    if (!py::isinstance<py::str>(name))
+      raise(Error::Kind::kOption, fmt::format("Tape: {} is no column; accepted: a name of Tape.columns", shown(name)));
+    return column_named(text_of(name));
+  }
+
+  // A lone surrogate, which no column has, becomes "?".
+  static std::string text_of(const py::object& text) {
+    return text.attr("encode")("utf-8", "replace").cast<std::string>();
   }
 
   // Ticks that adopted a snapshot.
@@ -66,6 +83,7 @@ class TapeObject : public std::enable_shared_from_this<TapeObject> {
   }
 
   Replay replay() const {
+    made("Tape");
     Replay replay;
     Error error;
     {
@@ -150,7 +168,9 @@ void add_tape(py::module_& module) {
       .def(py::init(&TapeObject::open), py::arg("path"))
       .def("__getitem__", &TapeObject::column, py::arg("column"))
       .def("__contains__",
-           [](const TapeObject&, const std::string& name) { return std::ranges::count(column_names(), name) > 0; })
+           [](const TapeObject&, const py::object& name) {
+             return py::isinstance<py::str>(name) && std::ranges::count(column_names(), TapeObject::text_of(name)) > 0;
+           })
       .def("__len__", &TapeObject::ticks)
       .def("__iter__", [](const TapeObject&) { return py::iter(py::cast(column_names())); })
       .def(
@@ -159,7 +179,7 @@ void add_tape(py::module_& module) {
       .def_property_readonly(
           "columns", [](const TapeObject&) { return column_names(); }, "The columns' names; the unit is in them.")
       .def(
-          "about", [](const TapeObject&, const std::string& name) { return about(column_named(name)); },
+          "about", [](const TapeObject&, const py::object& name) { return about(TapeObject::column_of_name(name)); },
           py::arg("column"), "Of a column: unit, frame, group, meaning.")
       .def_property_readonly("cycles", &TapeObject::cycles,
                              "(cycles,) uint64: the ticks that adopted a snapshot, each the first of its cycle.")

@@ -17,7 +17,7 @@ namespace {
 
 struct CostOptions {
   std::vector<std::string> scenes;
-  unsigned seeds{3};
+  unsigned seeds{0};            // 0: three, with --quick one
   std::vector<unsigned> count;  // hidden: scene and setting whose instructions are counted
   PartOptions parts;
   OutputOptions output;
@@ -58,7 +58,8 @@ int run_cost(const CostOptions& options) {
     if (options.scenes.empty() ||
         std::find(options.scenes.begin(), options.scenes.end(), one.name) != options.scenes.end())
       request.cases.push_back(one);
-  request.seeds = options.output.quick ? 1 : options.seeds;
+  const unsigned usual_seeds = options.output.quick ? 1 : 3;
+  request.seeds = options.seeds > 0 ? options.seeds : usual_seeds;
   request.quick = options.output.quick;
   if (!options.output.quick) request.program = own_program();
   std::vector<std::string> arguments{"experiment", "accuracy-cost", "--seeds", fmt::format("{}", request.seeds)};
@@ -108,7 +109,7 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
       ->check(CLI::IsMember(case_names()));
   command->add_option("--seeds", options->seeds, "hands that press and slide a little differently")
       ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+      ->default_str("3, with --quick 1");
   options->parts.add(*command, "hands but the first");
   options->output.add_csv(*command, "writes every setting to this file, units in the header");
   options->output.add_page(*command, "them");

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "tools/experiment/shared_files.h"
 #include "tools/json_text.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/python_module.h"
@@ -17,7 +18,7 @@ namespace tactus::tools {
 namespace {
 
 struct SweepCommand {
-  std::string file, folder, csv, unit, scheduler;
+  std::string file, folder, csv, hdf5, unit, scheduler;
   unsigned workers{0};
   bool fresh{false}, list{false}, collect{false}, trust_network{false}, json{false};
 };
@@ -33,9 +34,11 @@ int run_sweep(const SweepCommand& command) {
         kExitMachineCannot);
   setenv("PYTHONPATH", module.c_str(), 1);
   const nlohmann::ordered_json options{{"program", program.string()},
+                                       {"scenes", experiment::shared_file("scenes").string()},
                                        {"file", command.file},
                                        {"folder", command.folder},
                                        {"csv", command.csv},
+                                       {"hdf5", command.hdf5},
                                        {"unit", command.unit},
                                        {"workers", command.workers},
                                        {"fresh", command.fresh},
@@ -57,7 +60,7 @@ CLI::App* add_sweep_command(CLI::App& program, int& exit_code) {
       program.add_subcommand("sweep", "Many runs in virtual time: every value with every other, one table.");
   app->footer(
       "The file names a scene, and lists of values; every value is run with every other:\n"
-      "  scene = \"press.toml\"              # from the file's folder\n"
+      "  scene = \"press.toml\"              # from the file's folder; else the scene of tactus with this name\n"
       "  duration_s = 2\n"
       "  seeds = 3                          # of injected faults: 1, 2, 3; or a list\n"
       "  [options]                          # of tactus run, as the library names them: coupling, rate_Hz, ratio, ...\n"
@@ -84,10 +87,13 @@ CLI::App* add_sweep_command(CLI::App& program, int& exit_code) {
                 "a scheduler runs the code of any client that connects: take one that is neither on loopback nor TLS");
   app->add_option("--folder", command->folder, "of the results; default: FILE's name with .sweep, in this folder");
   app->add_option("--csv", command->csv, "write the table of all units that are done into this file");
-  app->add_flag("--fresh", command->fresh, "forget what is done of these units");
+  app->add_option("--hdf5", command->hdf5,
+                  "write the same table into this HDF5 file: the dataset units, a field for each column\n"
+                  "(Debian: python3-h5py)");
+  CLI::Option* fresh = app->add_flag("--fresh", command->fresh, "forget what is done of these units");
   app->add_flag("--list", command->list, "print the command of each unit that is not done, run nothing");
   app->add_option("--unit", command->unit, "run this one alone, by its name: what --list prints");
-  app->add_flag("--collect", command->collect, "run nothing, only gather what is done");
+  app->add_flag("--collect", command->collect, "run nothing, only gather what is done")->excludes(fresh);
   app->add_flag("--json", command->json, "one JSON object on stdout");
   app->callback([command, &exit_code] { exit_code = run_sweep(*command); });
   return app;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/random.h>
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
@@ -12,6 +13,16 @@
 #include "tools/view/scene_text.h"
 
 namespace tactus::view {
+namespace {
+
+// Two viewers may have the same process number, in two containers.
+std::uint64_t random_id() {
+  std::uint64_t id = 0;
+  if (getrandom(&id, sizeof id, 0) != static_cast<ssize_t>(sizeof id)) id = static_cast<std::uint64_t>(getpid());
+  return id | 1u;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<LiveSource>> LiveSource::open(const std::filesystem::path& socket) {
   auto controller = publication::WatchedController::open(socket);
@@ -23,7 +34,8 @@ LiveSource::LiveSource(std::filesystem::path socket, std::unique_ptr<publication
     : socket_(std::move(socket)),
       controller_(std::move(controller)),
       scene_(scene_text(controller_->scene(), controller_->settings())),
-      real_device_(controller_->settings().options.device != "sim") {}
+      real_device_(controller_->settings().options.device != "sim"),
+      hand_id_(random_id()) {}
 
 ViewSource::News LiveSource::look(std::size_t, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) {
   News news;
@@ -65,7 +77,7 @@ Answer LiveSource::ask(const PageMessage& message) {
 Answer LiveSource::lead(const PageMessage& message) const {
   const std::string what =
       message.hand ? fmt::format("{:.6f}", fmt::join(*message.hand, " ")) : std::string(message.ask);
-  return request(fmt::format("hand {} {}", getpid(), what));
+  return request(fmt::format("hand {} {}", hand_id_, what));
 }
 
 Answer LiveSource::request(const std::string& line) const {

@@ -5,6 +5,7 @@
 // run's answer.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -42,6 +43,7 @@ class LiveSource final : public ViewSource {
   std::string scene_, state_;  // as the run says it
   std::uint64_t faults_{0};
   bool real_device_;
+  std::uint64_t hand_id_;  // who asks the run for the hand
   std::optional<FaultViewer> fault_viewer_;
 };
 

@@ -97,6 +97,18 @@ TEST_CASE("a four-bar linkage comes to MuJoCo's motion as the step falls, to 1 %
   CHECK(difference(path_here("four_bar.xml", 2, 8000), mujoco) < 0.01);
 }
 
+TEST_CASE("the account says how far a closed loop of joints is off, and nothing of an open chain") {
+  TACTUS_NEEDS_COMPILER();
+  const auto says = [](const char* name) {
+    return std::ranges::count_if(imported(name).account.changed, [](const std::string& line) {
+      return line.find("closed loop of joints") != std::string::npos;
+    });
+  };
+  CHECK(says("four_bar.xml") == 1);
+  CHECK(says("pendulum.xml") == 0);
+  CHECK(says("cabinet.urdf") == 0);
+}
+
 TEST_CASE("a stack stands: each box sinks by the slop and its load over its contact's stiffness") {
   TACTUS_NEEDS_COMPILER();
   const Path path = path_here("stack.xml", 2);

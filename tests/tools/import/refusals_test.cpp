@@ -1,4 +1,5 @@
 // What is refused, all of it in one go with file and line; what --drop does; hostile files end with one line.
+#include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -123,6 +124,82 @@ TEST_CASE("a body of more shapes than a compound has parts is refused") {
   CHECK_THAT(refusal(model(129)), Equals("many.xml:2: body \"chain\" has 129 shapes; accepted: at most 128 in one "
                                          "body: fewer shapes, or fewer --pieces"));
   CHECK(loaded(imported(model(128))).compounds.at(0).parts.size() == 128);
+}
+
+TEST_CASE(
+    "what the loader does not accept is refused by the model's line and element, beside all else, and no scene made") {
+  TACTUS_NEEDS_COMPILER();
+  const Scratch scratch;
+  const std::string text =
+      "<mujoco><worldbody>\n<body name='dust'><freejoint/><geom size='.05' mass='1e-9'/></body>\n"
+      "<body name='rock' pos='1 0 0'><freejoint/>\n<geom name='big' type='box' size='1 1 1' mass='1e9'/></body>\n"
+      "</worldbody>{}</mujoco>";
+  const std::string lines = refusal(options_for(scratch.write("light.xml", fmt::format(fmt::runtime(text), ""))));
+  CHECK_THAT(lines, StartsWith("light.xml:2: ") &&
+                        Contains("body \"dust\": mass_kg: 1e-09 is not a mass; accepted: ") &&
+                        Contains("\nlight.xml:4: geom \"big\": mass_kg: 1000000000 is not a mass"));
+  const std::string both = refusal(options_for(scratch.write(
+      "light.xml", fmt::format(fmt::runtime(text), "\n<actuator><motor joint='none' gear='1'/></actuator>"))));
+  CHECK_THAT(both, Contains("is an actuator"));
+  auto options = options_for(kModels / "stack.xml");
+  options.proxy_position = Vec3d{std::nan(""), 2, 3};
+  CHECK_THAT(refusal(options), Equals("--proxy-position: not finite; accepted: three finite numbers [m]"));
+  options.proxy_position = Vec3d{1e12, 2, 3};
+  CHECK_THAT(refusal(options), Contains("position_m: ") && Contains("; accepted: "));
+}
+
+TEST_CASE("what the loader does not accept is said beside what a scene cannot have") {
+  TACTUS_NEEDS_COMPILER();
+  const Scratch scratch;
+  const auto file =
+      scratch.write("both.xml",
+                    "<mujoco><worldbody>\n<body name='dust'><freejoint/><geom size='.05' mass='1e-9'/></body>\n"
+                    "<body pos='1 0 0'><joint name='j' damping='1'/><geom size='.05'/></body></worldbody></mujoco>");
+  CHECK_THAT(refusal(options_for(file)), Contains("both.xml:3: ") && Contains("has damping") &&
+                                             Contains("both.xml:2: ") && Contains("mass_kg: 1e-09 is not a mass"));
+}
+
+TEST_CASE("numbers that are not finite are said with their element") {
+  TACTUS_NEEDS_COMPILER();
+  const Scratch scratch;
+  const auto file = scratch.write("nan.xml",
+                                  "<mujoco><worldbody>\n<body name='n' pos='nan 0 0'><freejoint/><geom size='.1'/>"
+                                  "</body></worldbody></mujoco>");
+  CHECK_THAT(refusal(options_for(file)),
+             StartsWith("nan.xml:2: body \"n\": its ") && Contains("is not finite; accepted: finite numbers"));
+}
+
+TEST_CASE("an element of more than a million characters is XML") {
+  TACTUS_NEEDS_COMPILER();
+  const Scratch scratch;
+  std::string vertices;
+  for (int i = 0; i < 130'000; ++i) vertices += fmt::format("0.{} 0 0 ", i % 10);
+  REQUIRE(vertices.size() > 1'000'000);
+  const auto file = scratch.write(
+      "long.xml", fmt::format("<mujoco><asset><mesh name='m' vertex=\"{} 0 0 0 .1 0 0 0 .1 0 0 0 .1\"/></asset>"
+                              "<worldbody><body><freejoint/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>",
+                              vertices));
+  CHECK(imported(options_for(file)).account.bodies == 1);
+}
+
+TEST_CASE("more bodies than the compiler has memory for are refused with their number") {
+  TACTUS_NEEDS_COMPILER();
+  const Scratch scratch;
+  std::string text = "<mujoco><worldbody>";
+  for (int i = 0; i < 6000; ++i) text += fmt::format("<body pos='{} 0 0'><freejoint/><geom size='.1'/></body>", i);
+  CHECK_THAT(refusal(options_for(scratch.write("wide.xml", text + "</worldbody></mujoco>"))),
+             StartsWith("wide.xml: 6000 bodies; accepted: at most 3000"));
+}
+
+TEST_CASE("a file that is missing is one refusal") {
+  TACTUS_NEEDS_COMPILER();
+  const Scratch scratch;
+  const auto file = scratch.write("m.xml",
+                                  "<mujoco><asset><mesh name='a' file='none.stl'/></asset><worldbody><body>"
+                                  "<freejoint/><geom type='mesh' mesh='a'/></body></worldbody></mujoco>");
+  const std::string lines = refusal(options_for(file));
+  CHECK_THAT(lines, StartsWith("m.xml:1: <mesh> names \"none.stl\", which cannot be read"));
+  CHECK(is_one_line(lines));
 }
 
 TEST_CASE("an open mesh is refused where mass comes from its volume") {
@@ -257,7 +334,7 @@ TEST_CASE("a compiler whose answer names what is not there gives no model") {
       CAPTURE(place, index);
       auto answer = linkage;
       answer["model"].at(nlohmann::json::json_pointer(place)) = index;
-      CHECK_THAT(refusal_with(answer), Equals("four_bar.xml: the compiler gives no model"));
+      CHECK_THAT(refusal_with(answer), StartsWith("four_bar.xml: the compiler gives no model; "));
     }
   for (std::size_t i = 0; i < fixed.at("model").at("geoms").size(); ++i) {
     auto answer = fixed;

@@ -5,8 +5,10 @@
 import load from "./mujoco.js";
 import {ModelFiles} from "./files.mjs";
 import {Mistake} from "./xml.mjs";
-import {judge_elements, judge_model, breaks_the_compiler} from "./judge.mjs";
+import {judge_elements, judge_finite, judge_model, breaks_the_compiler} from "./judge.mjs";
 import {describe} from "./describe.mjs";
+
+const kMaxBodies = 3000;
 
 function one_line(text) { return text.replace(/\s+/g, " ").replace(/^(MuJoCo Error: |Loading error: |Error: |XML Error: )+/, "").trim(); }
 
@@ -18,6 +20,9 @@ async function run(path) {
   try {
     const mujoco = await load({print: () => {}, printErr: () => {}});
     files = new ModelFiles(mujoco.FS, path, found);
+    const bodies = files.all().filter((element) => element.name === "body" || element.name === "link").length;
+    if (bodies > kMaxBodies)
+      throw new Mistake(`${files.name}: ${bodies} bodies; accepted: at most ${kMaxBodies}, what the compiler has memory for`);
     judge_elements(files, found, result.left_out);
     const own = files.write_texts(breaks_the_compiler);
     const spec = mujoco.parseXMLString(own);
@@ -26,7 +31,9 @@ async function run(path) {
     if (model.nkey > 0) mujoco.mj_resetDataKeyframe(model, data, 0);
     mujoco.mj_forward(model, data);
     const all = {mujoco, spec, model, data, files};
-    result.model = describe(all);
+    const described = describe(all);
+    judge_finite(described);
+    result.model = described;
     judge_model(result.model, model, found, result.left_out);
   } catch (error) {
     if (error instanceof Mistake) result.mistake = error.message;

@@ -1,5 +1,6 @@
 // What a scene cannot have: looked for in the text, where the compiler leaves no trace or no place of it, and in the
 // compiled model, where defaults have been applied.
+import {Mistake} from "./xml.mjs";
 
 const kRefusedElements = [
   // kind, what holds for an element with its parent's name, what it is, what to do
@@ -120,6 +121,20 @@ function judge_masks(model, found) {
     if (!joined(model, a, b))
       found("masks", model.bodies[a], `<exclude> keeps ${quoted(model.bodies[a], "body", a)} and ${quoted(model.bodies[b], "body", b)} apart, which no joint holds`,
         "here all bodies collide that no joint holds: take it away");
+}
+
+// A number that is not finite has no place in the answer. Throws a Mistake with the first element that has one.
+export function judge_finite(model) {
+  const is_finite = (value) => Array.isArray(value) ? value.every(is_finite) : typeof value !== "number" || Number.isFinite(value);
+  for (const [kind, list] of [["body", model.bodies], ["geom", model.geoms], ["joint", model.joints],
+                              ["equality", model.equalities], ["mesh", model.meshes], ["height field", model.fields]])
+    list.forEach((element, id) => {
+      const key = Object.keys(element).find((name) => !is_finite(element[name]));
+      if (key !== undefined)
+        throw new Mistake(`${element.file ?? model.bodies[0].file}:${element.line ?? 0}: ${quoted(element, kind, id)}: its ${key.replace("_", " ")} ` +
+          "is not finite; accepted: finite numbers");
+    });
+  if (!is_finite(model.gravity)) throw new Mistake(`${model.bodies[0].file}: gravity is not finite; accepted: finite numbers`);
 }
 
 export function judge_model(description, model, found, left_out) {

@@ -3,6 +3,8 @@
 // Document type declarations are refused: no entity but XML's own five is ever expanded. Bounds: kMaxDepth, kMaxElements.
 export const kMaxDepth = 200, kMaxElements = 200_000;
 
+const kName = /[\w:.-]+/y, kMark = /[<>"']/g;
+
 export class Mistake extends Error {}
 
 // The elements of a text, in their order: {name, attributes, line, begin, end, depth, parent (its number, or -1)}.
@@ -31,14 +33,16 @@ export function read_elements(text, file) {
       if (open.length === 0) throw new Mistake(`${file}:${line_of(begin)}: an element ends that has not begun`);
       elements[open.pop()].end = at;
     } else {
-      const head = /^<([\w:.-]+)((?:[^<>"']|"[^"]*"|'[^']*')*)>/s.exec(text.slice(begin, begin + 1_000_000));
-      if (head === null) throw new Mistake(`${file}:${line_of(begin)}: no XML element; accepted: well-formed XML`);
-      at = begin + head[0].length;
+      kName.lastIndex = begin + 1;
+      const name = kName.exec(text)?.[0], close = name === undefined ? -1 : end_of_head(text, kName.lastIndex);
+      if (close < 0) throw new Mistake(`${file}:${line_of(begin)}: no XML element; accepted: well-formed XML`);
+      const head = text.slice(kName.lastIndex, close);
+      at = close + 1;
       const attributes = {};
-      for (const found of head[2].matchAll(/([\w:.-]+)\s*=\s*(?:"([^"]*)"|'([^']*)')/g))
+      for (const found of head.matchAll(/([\w:.-]+)\s*=\s*(?:"([^"]*)"|'([^']*)')/g))
         attributes[found[1]] = plain(found[2] ?? found[3]);
-      const closed = head[2].trimEnd().endsWith("/");
-      elements.push({name: head[1], attributes, line: line_of(begin), begin, end: at, depth: open.length,
+      const closed = head.trimEnd().endsWith("/");
+      elements.push({name, attributes, line: line_of(begin), begin, end: at, depth: open.length,
                      parent: open.at(-1) ?? -1, file});
       if (elements.length > kMaxElements) throw new Mistake(`${file}: more than ${kMaxElements} elements`);
       if (!closed) open.push(elements.length - 1);
@@ -48,6 +52,19 @@ export function read_elements(text, file) {
   if (open.length > 0)
     throw new Mistake(`${file}:${elements[open.at(-1)].line}: <${elements[open.at(-1)].name}> is not closed`);
   return elements;
+}
+
+// Where the ">" is that ends an element's head, outside of quotes; -1: nowhere.
+function end_of_head(text, from) {
+  for (let at = from;;) {
+    kMark.lastIndex = at;
+    const mark = kMark.exec(text);
+    if (mark === null || mark[0] === "<") return -1;
+    if (mark[0] === ">") return mark.index;
+    const end = text.indexOf(mark[0], mark.index + 1);
+    if (end < 0) return -1;
+    at = end + 1;
+  }
 }
 
 function plain(text) {

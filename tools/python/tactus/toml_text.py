@@ -12,8 +12,16 @@ _ESCAPES = {'"': '\\"', '\\': '\\\\', '\b': '\\b', '\t': '\\t', '\n': '\\n', '\f
 def toml_text(table):
     """The mapping as a TOML document."""
     lines = []
-    _add_table(lines, table, ())
+    try:
+        _add_table(lines, table, ())
+    except RecursionError:
+        raise too_deep() from None
     return '\n'.join(lines) + '\n'
+
+
+def too_deep():
+    return _core.FileError('Scene: mappings or lists nested too deeply, or within themselves; accepted: the tables of '
+                           '`tactus scene keys`')
 
 
 def _quoted(text):

@@ -1,6 +1,7 @@
 """`tactus sweep`: python3 -m tactus.sweep OPTIONS, a JSON object of the program's."""
 import json
 import os
+import shlex
 import sys
 import time
 
@@ -15,7 +16,7 @@ class Sweep:
         self.options = options
         self.program = options['program']
         self.identity = units.identity_of(self.program)
-        self.plan = plan.read_plan(options['file'], self.identity)
+        self.plan = plan.read_plan(options['file'], self.identity, options.get('scenes', ''))
         folder = options['folder'] or os.path.splitext(os.path.basename(options['file']))[0] + '.sweep'
         self.results = results.Results(folder)
         self.run, self.retried, self.workers = 0, 0, 0
@@ -23,16 +24,19 @@ class Sweep:
 
     def list(self):
         """A command a line, for GNU parallel, xargs or an array of jobs."""
-        more = f' --folder {self.results.folder}' if self.options['folder'] else ''
+        more = ['--folder', self.results.folder] if self.options['folder'] else []
         for unit in self.plan.units:
             if not self.results.is_done(unit):
-                print(f'{self.program} sweep {self.options["file"]}{more} --unit {unit.name}')
+                print(shlex.join([self.program, 'sweep', self.options['file'], *more, '--unit', unit.name]))
         return 0
 
     def one(self, name):
         for unit in self.plan.units:
             if unit.name == name:
-                if not self.results.is_done(unit):
+                if self.results.is_done(unit):
+                    self.results.read(unit)  # says if it is damaged
+                else:
+                    self.results.prepare()
                     local.run_local(self.program, [unit], 1, self.take)
                 return 0
         raise _core.OptionError(f'--unit: {name:.64} is no unit of this sweep by this program; accepted: those of --list')
@@ -42,6 +46,7 @@ class Sweep:
             self.results.forget(self.plan.units)
         waiting = [unit for unit in self.plan.units if not self.results.is_done(unit)]
         done_before = len(self.plan.units) - len(waiting)
+        self.check_done()
         self.progress = progress.Progress(len(waiting))
         interrupted = False
         try:
@@ -52,7 +57,20 @@ class Sweep:
         self.progress.end()
         return self.report(done_before, interrupted)
 
+    def check_done(self):
+        """Before anything runs: results that are damaged, a line each."""
+        damaged = []
+        for unit in self.plan.units:
+            try:
+                if self.results.is_done(unit):
+                    self.results.read(unit)
+            except _core.FileError as error:
+                damaged.append(str(error))
+        if damaged:
+            raise _core.FileError('\n'.join(damaged))
+
     def compute(self, waiting):
+        self.results.prepare()
         if self.options['scheduler']:
             from . import cluster
             cluster.check_address(self.options['scheduler'], self.options['trust_network'])
@@ -73,16 +91,22 @@ class Sweep:
         if hasattr(self, 'progress'):
             self.progress.advance()
 
+    def write_table(self, option, content):
+        path = self.options.get(option)
+        if not path:
+            return
+        try:
+            with open(path, 'wb') as file:
+                file.write(content())
+        except OSError as error:
+            raise _core.MachineError(f'--{option} {path}: {error.strerror}') from None
+
     def report(self, done_before, interrupted):
         units_done = [unit for unit in self.plan.units if self.results.is_done(unit)]
         failed = [unit for unit in units_done if self.results.read(unit)['error']]
         missing = len(self.plan.units) - len(units_done)
-        if self.options['csv']:
-            try:
-                with open(self.options['csv'], 'w', encoding='utf-8') as file:
-                    file.write(results.table_of(self.plan, self.results))
-            except OSError as error:
-                raise _core.MachineError(f'--csv: {error}') from None
+        self.write_table('csv', lambda: results.table_of(self.plan, self.results).encode())
+        self.write_table('hdf5', lambda: results.hdf5_of(self.plan, self.results))
         report = {'version': _core.__version__, 'units': len(self.plan.units), 'done_before': done_before,
                   'run': self.run, 'failed': len(failed), 'retried': self.retried, 'workers': self.workers,
                   'wall_s': time.monotonic() - self.began}
@@ -122,4 +146,15 @@ def main():
         return status
 
 
-sys.exit(main())
+def run():
+    """main(), whose reader may go away before the end, as that of `--list | head` does."""
+    try:
+        status = main()
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BAD
+
+
+sys.exit(run())

@@ -1,5 +1,6 @@
 """Units on a scheduler of Dask distributed (Debian: python3-distributed)."""
 import ipaddress
+import logging
 import time
 import urllib.parse
 
@@ -9,13 +10,18 @@ from . import units
 LOST_MOST = 3        # workers that a unit may lose before it is a row with that
 IN_FLIGHT = 4        # units on their way, for each thread of a worker
 LOOK_EVERY_S = 1.0   # for workers that came or went
+SAY_EVERY_S = 30.0   # that there is none
 RETURN_WITHIN_S = 120.0  # of a scheduler that is gone
 
 
 def check_address(address, trust_network):
     """A scheduler runs the code of any client that can connect to it: loopback, TLS, or a network that the user answers for."""
-    parts = urllib.parse.urlsplit(address)
-    if parts.scheme not in ('tcp', 'tls') or not parts.hostname:
+    try:
+        parts = urllib.parse.urlsplit(address)
+        there = parts.scheme in ('tcp', 'tls') and parts.hostname and parts.port
+    except ValueError:  # a port that is none, a bracket that is not closed
+        there = False
+    if not there:
         raise _core.OptionError(f'--scheduler: {address:.64} is no address; accepted: tcp://127.0.0.1:8786, tls://HOST:PORT')
     if parts.scheme == 'tls' or trust_network or _is_loopback(parts.hostname):
         return
@@ -28,6 +34,13 @@ def _is_loopback(host):
         return host == 'localhost' or ipaddress.ip_address(host).is_loopback
     except ValueError:
         return False
+
+
+def _silence():
+    """Of a connection that breaks, distributed and asyncio log tracebacks; what is of use, the sweep says itself."""
+    for name in [*logging.root.manager.loggerDict, 'distributed', 'tornado', 'asyncio']:
+        if name.split('.')[0] in ('distributed', 'tornado', 'asyncio'):
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def run_there(program, identity, task):
@@ -54,10 +67,11 @@ class Cluster:
         import sys
         for module in (units, sys.modules[__name__]):
             cloudpickle.register_pickle_by_value(module)
+        _silence()
         self.distributed, self.address, self.say = distributed, address, say
         self.program, self.identity = program, identity
         self.client, self.turned_away, self.seen, self.retried = None, {}, set(), 0
-        self.lost_workers = False
+        self.lost_workers, self.waits_since, self.said = False, None, 0.0
 
     def run(self, waiting, take):
         """Calls take(unit, result, 0) for each unit, as it ends. A scheduler that went away is waited for."""
@@ -117,11 +131,22 @@ class Cluster:
                     for future in running:  # where they may run has changed
                         future.cancel()
                     running.clear()
+            self._say_if_it_waits(good, len(left))
             self._fill(left, running, good, threads)
             if not running:
                 time.sleep(LOOK_EVERY_S / 4)
                 continue
             self._take_done(left, running, lost, take)
+
+    def _say_if_it_waits(self, good, count):
+        """That there is no worker, at once and then every SAY_EVERY_S."""
+        now = time.monotonic()
+        if good:
+            self.waits_since = None
+        elif self.waits_since is None or now - self.said > SAY_EVERY_S:
+            self.said, self.waits_since = now, self.waits_since or now
+            self.say(f'waiting for a worker{" of this build" if self.turned_away else ""}, {now - self.waits_since:.0f} s, '
+                     f'{count} units left; accepted: dask-worker {self.address}')
 
     def _fill(self, left, running, good, threads):
         on_the_way = set(running.values())

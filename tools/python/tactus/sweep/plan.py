@@ -16,6 +16,7 @@ MAX_UNITS = 100_000
 OPTIONS = {'coupling': '--coupling', 'border': '--border', 'order': '--order', 'reach': '--reach',
            'accuracy': '--accuracy', 'world_precision': '--world-precision', 'rate_Hz': '--rate', 'ratio': '--ratio',
            'members': '--members', 'keep_gains': '--keep-gains', 'inject': '--inject', 'seed': '--seed'}
+_NUMBER = re.compile('[1-9][0-9]{0,8}')
 TABLES = ('scene', 'duration_s', 'seeds', 'options', 'keys', 'keep')
 
 
@@ -39,23 +40,31 @@ class Plan:
     columns: list      # of the table: what is varied, then the figures
 
 
-def read_plan(path, identity):
-    """The units of a sweep file, for the program of this identity. Raises tactus.Error, a line for each mistake."""
+def read_plan(path, identity, scenes=''):
+    """The units of a sweep file, for the program of this identity. Raises tactus.Error, a line for each mistake.
+
+    scenes: the folder of the scenes that tactus has.
+    """
+    accepted = 'accepted: a sweep file, see tactus sweep --help'
     try:
         with open(path, 'rb') as file:
             table = tomllib.load(file)
-    except (OSError, tomllib.TOMLDecodeError) as error:
-        raise _core.FileError(f'{path}: {error}; accepted: a sweep file, see tactus sweep --help') from None
-    reader = _Reader(path, table)
-    plan = reader.plan(identity)
+        reader = _Reader(path, table, scenes)
+        plan = reader.plan(identity)
+    except OSError as error:
+        raise _core.FileError(f'{path}: {error.strerror}; {accepted}') from None
+    except ValueError as error:  # no TOML, or no UTF-8
+        raise _core.FileError(f'{path}: {error}; {accepted}') from None
+    except RecursionError:
+        raise _core.FileError(f'{path}: lists or tables nested too deeply; {accepted}') from None
     if reader.mistakes:
         raise _core.FileError('\n'.join(f'{path}: {mistake}' for mistake in reader.mistakes))
     return plan
 
 
 class _Reader:
-    def __init__(self, path, table):
-        self.path, self.table, self.mistakes = path, table, []
+    def __init__(self, path, table, scenes):
+        self.path, self.table, self.scenes, self.mistakes = path, table, scenes, []
 
     def plan(self, identity):
         for key in self.table:
@@ -98,15 +107,20 @@ class _Reader:
         return units
 
     def _mistake(self, where, found, accepted):
-        self.mistakes.append(f'{where}: {found!s:.80}; accepted: {accepted}')
+        line = ' '.join(f'{where}: {found!s:.80}'.splitlines())
+        self.mistakes.append(f'{line}; accepted: {accepted}')
 
     def _scene(self):
         name = self.table.get('scene')
         if not isinstance(name, str):
-            self._mistake('scene', name, 'the path of a scene, from the folder of this file')
+            self._mistake('scene', name, 'the path of a scene, from the folder of this file, or a scene of tactus')
             return None
+        path = os.path.join(os.path.dirname(self.path), name)
+        if self.scenes and not os.path.exists(path):
+            known = os.path.join(self.scenes, os.path.basename(name))
+            path = known if name == os.path.basename(name) and os.path.exists(known) else path
         try:
-            return Scene(os.path.join(os.path.dirname(self.path), name))
+            return Scene(path)
         except _core.Error as error:
             self.mistakes += [f'scene: {line}' for line in str(error).splitlines()]
             return None
@@ -129,14 +143,25 @@ class _Reader:
             low, high, steps = (value.get(key) for key in ('from', 'to', 'steps'))
             if set(value) != {'from', 'to', 'steps'} or not _is_number(low) or not _is_number(high) or \
                     not isinstance(steps, int) or not 2 <= steps <= MAX_UNITS:
-                self._mistake(where, value, '{from = A, to = B, steps = N}, numbers and 2 or more')
+                self._mistake(where, value, f'{{from = A, to = B, steps = N}}, two numbers, and 2 to {MAX_UNITS} steps')
                 return []
-            return [low + (high - low) * i / (steps - 1) for i in range(steps)]
+            return self._each_once(where, [low + (high - low) * i / (steps - 1) for i in range(steps)])
         values = value if isinstance(value, list) else [value]
-        if not values or any(isinstance(item, dict) for item in values):
+        if not values or not all(map(_is_value, values)):
             self._mistake(where, value, 'a value, a list of them, or {from, to, steps}')
             return []
-        return [tuple(item) if isinstance(item, list) else item for item in values]
+        return self._each_once(where, [_as_tuple(item) for item in values])
+
+    def _each_once(self, where, values):
+        """Two equal values are the same unit twice."""
+        known = set()
+        for value in values:
+            text = repr(value)
+            if text in known:
+                self._mistake(where, f'{text} twice', 'each value once')
+                return []
+            known.add(text)
+        return values
 
     def _seeds(self):
         seeds = self.table.get('seeds')
@@ -144,9 +169,9 @@ class _Reader:
             return {}
         if isinstance(seeds, int) and not isinstance(seeds, bool) and 1 <= seeds <= MAX_UNITS:
             return {'seed': list(range(1, seeds + 1))}
-        if isinstance(seeds, list) and seeds and all(isinstance(seed, int) and seed >= 0 for seed in seeds):
-            return {'seed': seeds}
-        self._mistake('seeds', seeds, 'their number, or a list of them')
+        if isinstance(seeds, list) and seeds and all(type(seed) is int and seed >= 0 for seed in seeds):
+            return {'seed': self._each_once('seeds', seeds)}
+        self._mistake('seeds', seeds, f'their number, 1 to {MAX_UNITS}, or a list of them')
         return {}
 
     def _keep(self):
@@ -170,8 +195,8 @@ class _Reader:
         changed = Scene(scene)
         for name, value in keys.items():
             try:
-                _set(changed, re.split(r'\.', name), list(value) if isinstance(value, tuple) else value)
-            except (KeyError, IndexError, TypeError, ValueError):
+                _set(changed, name.split('.'), _as_list(value))
+            except (KeyError, IndexError, TypeError):
                 self._mistake(f'[keys] {name}', 'the scene has no such table',
                               'TABLE.KEY, and for a list TABLE.N.KEY, N from 1: body.2.mass_kg')
                 return None
@@ -187,15 +212,31 @@ class _Reader:
 def _set(table, path, value):
     """The last key may be new: it has a default. Tables must be there."""
     for key in path[:-1]:
-        table = table[int(key) - 1] if isinstance(table, list) else table[key]
-    if isinstance(table, list):
-        table[int(path[-1]) - 1] = value
-    else:
-        table[path[-1]] = value
+        table = table[_index(key)] if isinstance(table, list) else table[key]
+    table[_index(path[-1]) if isinstance(table, list) else path[-1]] = value
+
+
+def _index(number):
+    """Of an item of a list by its number from 1."""
+    if not _NUMBER.fullmatch(number):
+        raise IndexError(number)
+    return int(number) - 1
 
 
 def _is_number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+
+
+def _is_value(value):
+    return all(map(_is_value, value)) if isinstance(value, list) else isinstance(value, (bool, int, float, str))
+
+
+def _as_tuple(value):
+    return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
+
+
+def _as_list(value):
+    return list(map(_as_list, value)) if isinstance(value, tuple) else value
 
 
 def _argument(name, value):
