@@ -75,8 +75,11 @@ class SnapshotServer {
   }
 
   std::uint64_t next_report(std::size_t device = 0) const noexcept { return next_[device]; }
-  // [setup] The world and the exchange of the one device have been restored to where this report is the next.
-  void continue_at(std::uint64_t next_report) noexcept { next_[0] = next_report; }
+  // [setup] The world and all exchanges have been restored to where this report is the next of each device.
+  void continue_at(std::uint64_t next_report) noexcept {
+    std::ranges::fill(next_, next_report);
+    std::ranges::fill(left_out_, 0);
+  }
 
  private:
   bool has_report(std::size_t d) const noexcept { return exchanges_[d]->reports.try_read(next_[d]) != nullptr; }

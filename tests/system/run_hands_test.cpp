@@ -55,7 +55,10 @@ TEST_CASE("several hands: what is of one hand alone is refused in one line") {
     CHECK_THAT(output.out, Contains("accepted: "));
     return output.out;
   };
-  CHECK_THAT(refused("--virtual-time --figures force_z_N:rms"), Contains("--figures: is of one hand"));
+  CHECK_THAT(refused("--virtual-time --figures force_z_N:what"), Contains("--figures: "));
+  CHECK_THAT(refused("--virtual-time --figures force_z_N:rms --control x.sock"),
+             Contains("--figures: is of a run that"));
+  CHECK_THAT(refused("--budget x.json"), Contains("--budget: certifies one haptic thread"));
   CHECK_THAT(refused("--virtual-time --device sim --device sim --device sim"), Contains("--device: 3 for 2 hands"));
   CHECK_THAT(refused("--virtual-time --device sim --device sim", TACTUS_SOURCE_DIR "/sim/scenes/wall.toml"),
              Contains("--device: 2 for 1 hands"));
@@ -63,6 +66,47 @@ TEST_CASE("several hands: what is of one hand alone is refused in one line") {
   CHECK_THAT(refused("--virtual-time --device sim --device can:can0"), Contains("hand 2: --virtual-time"));
   CHECK_THAT(refused("--virtual-time --coupling static"), Contains("accepted: sub-world"));
   CHECK_THAT(refused("--virtual-time --keep-gains --ratio 40"), Contains("40 to 80 ms late"));
+}
+
+TEST_CASE("several hands: figures of each are those of its tape") {
+  const TemporaryFile first;
+  const std::string second = first.path() + ".2";  // the file has no extension
+  const std::string options = "--virtual-time --duration 1.4 --figures force_x_N:min --figures force_x_N:max --json ";
+  const auto figures_of = [&](const std::string& more) {
+    const auto output =
+        run_command(std::string(TACTUS_PROGRAM) + " run " + kScene + " " + options + more + " 2>/dev/null");
+    const auto object = nlohmann::json::parse(output.out);
+    REQUIRE(object["hands"].size() == 2);
+    return std::make_pair(object["hands"][0]["figures"], object["hands"][1]["figures"]);
+  };
+  const auto figures = figures_of("");
+  CHECK(figures == figures_of("--record " + first.path()));
+  CHECK(figures.first != figures.second);
+  const std::pair<std::string, nlohmann::json> tapes[] = {{first.path(), figures.first}, {second, figures.second}};
+  for (const auto& [tape, of_hand] : tapes) {
+    const TemporaryFile table;
+    const auto exported = run_command(std::string(TACTUS_PROGRAM) + " export " + tape + " --overwrite --csv " +
+                                      table.path() + " --signals force_x_N 2>&1");
+    INFO(exported.out);
+    REQUIRE(exported.exit_code == 0);
+    std::ifstream file(table.path());
+    double least_N = 0, most_N = 0;
+    std::size_t ticks = 0;
+    for (std::string line; std::getline(file, line);) {
+      const std::size_t comma = line.rfind(',');
+      char* end = nullptr;
+      const char* const begin = line.c_str() + (comma == std::string::npos ? 0 : comma + 1);
+      const double force_N = std::strtod(begin, &end);
+      if (end == begin) continue;  // a header
+      ++ticks;
+      least_N = std::min(least_N, force_N);
+      most_N = std::max(most_N, force_N);
+    }
+    CHECK(ticks == 1400);
+    CHECK(of_hand["force_x_N:min"].get<double>() == least_N);
+    CHECK(of_hand["force_x_N:max"].get<double>() == most_N);
+  }
+  (void)std::remove(second.c_str());
 }
 
 TEST_CASE("several hands: a stiffness that is too much for two on one body is lowered, and said") {

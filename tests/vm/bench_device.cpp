@@ -7,9 +7,9 @@
 //   --hand still   rests at the path's start
 // Commands: NAME N of a LinkFaults member sets it for N frames; `plug`, `unplug`, `halt_states`, `halt_commands`
 // (USB); `buttons N`; `motor-bus 0|1`;
-// `hand restart`; `restart N` ends the device's program for N periods, motors off, and begins it anew; `report` prints
-// the truth so far; `quit`. What happens is told as lines on standard output, see
-// simulated_board.h.
+// `hand restart`; `restart N` ends the device's program for N periods, motors off, and begins it anew, with the serial
+// number that `serial TEXT` gave before; `report` prints the truth so far; `quit`. What happens is told as lines on
+// standard output, see simulated_board.h.
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -52,9 +52,15 @@ Options read_options(int argc, char** argv) {
   return options;
 }
 
+// What the device's program begins with when it is started anew, and when that is.
+struct Restart {
+  firmware::Identity identity;
+  std::uint64_t off_periods{0};  // until then; 0: it runs
+};
+
 template <class Link>
 bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, SimulatedBoard& board,
-          const firmware::Device& device, std::uint64_t& off_periods) {
+          const firmware::Device& device, Restart& restart) {
   const std::size_t space = std::min(line.find(' '), line.size());
   const std::string name = line.substr(0, space);
   const std::uint64_t value = std::strtoull(line.c_str() + space, nullptr, 10);
@@ -68,7 +74,10 @@ bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, Sim
                                                      {"lost_commands", &f.lost_commands},
                                                      {"corrupt_commands", &f.corrupt_commands},
                                                      {"repeated_commands", &f.repeated_commands},
+                                                     {"idle_commands", &f.idle_commands},
                                                      {"old_commands", &f.old_commands},
+                                                     {"broken_followers", &f.broken_followers},
+                                                     {"nan_followers", &f.nan_followers},
                                                      {"babble", &f.babble}};
   if (const auto fault = faults.find(name); fault != faults.end()) {
     *fault->second = value;
@@ -79,7 +88,9 @@ bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, Sim
   } else if (name == "hand") {
     board.restart_hand();
   } else if (name == "restart") {
-    off_periods = value;
+    restart.off_periods = value;
+  } else if (name == "serial") {
+    restart.identity = firmware::make_identity(firmware::DeviceClass::kVirtuose6, line.substr(space + 1));
   } else if (name == "report") {
     std::printf(
         "report periods=%llu commands=%llu refused=%u state=%u fault=%u share=%g largest_effort=%g "
@@ -117,8 +128,8 @@ int run(const Options& options, Link& true_link) {
   if (profile == nullptr) fail("the scene's device profile is none");
   const std::uint32_t period_us = 1'000'000 / options.rate_Hz;
   const firmware::Config config = hal::firmware_config(*profile, period_us);
-  const auto identity = firmware::make_identity(firmware::DeviceClass::kVirtuose6, options.serial);
-  firmware::Device device(config, identity);
+  Restart restart{firmware::make_identity(firmware::DeviceClass::kVirtuose6, options.serial)};
+  firmware::Device device(config, restart.identity);
   SimulatedBoard board(*profile, hand_of(scene, options.still), config);
   if (options.stop_line >= 0)
     if (const std::string e = board.stop_line.open(options.gpio_chip, static_cast<unsigned>(options.stop_line));
@@ -133,17 +144,16 @@ int run(const Options& options, Link& true_link) {
   const std::atomic<bool>& stop = firmware::stop_on_signals();
   firmware::Pace pace(period_us);
   std::string line;
-  std::uint64_t off_periods = 0;
   for (bool go_on = true; go_on && !stop.load();) {
     pace.wait();
-    if (off_periods > 0) {
-      if (--off_periods == 0) device = firmware::Device(config, identity);
+    if (restart.off_periods > 0) {
+      if (--restart.off_periods == 0) device = firmware::Device(config, restart.identity);
       board.drive({});
     } else {
       firmware::run_period(device, board, link);
     }
     board.tell(device);
-    while (go_on && control.next(line)) go_on = obey(line, link, true_link, board, device, off_periods);
+    while (go_on && control.next(line)) go_on = obey(line, link, true_link, board, device, restart);
   }
   const firmware::PaceCounters& paced = pace.counters();
   std::printf("end periods=%llu skipped=%llu max_late_us=%lld\n", static_cast<unsigned long long>(paced.periods),

@@ -184,17 +184,17 @@ void check_exchange(const char* device_interface, const char* host_interface, bo
 
 }  // namespace
 
-TEST_CASE("classic frames carry states and commands between two controllers on one bus") {
+TEST_CASE("classic frames carry states and commands between two controllers on one bus", "[threads]") {
   check_exchange("can1", "can0", false);
 }
 
-TEST_CASE("FD frames carry states and commands") { check_exchange("vcan0", "vcan0", true); }
+TEST_CASE("FD frames carry states and commands", "[threads]") { check_exchange("vcan0", "vcan0", true); }
 
-TEST_CASE("a classic device is understood on an interface that could do FD") {
+TEST_CASE("a classic device is understood on an interface that could do FD", "[threads]") {
   check_exchange("vcan0", "vcan0", false);
 }
 
-TEST_CASE("a service question is answered while states flow") {
+TEST_CASE("a service question is answered while states flow", "[threads]") {
   Board board("can1", false);
   Host host{opened(board, {.interface = "can0"}), {}};
   std::jthread sends([&board](const std::stop_token& stop) {
@@ -212,7 +212,7 @@ TEST_CASE("a service question is answered while states flow") {
   CHECK(reply.value().status == firmware::ServiceStatus::kNoSuchRegister);
 }
 
-TEST_CASE("bus-off disconnects the host and silences the device until the restart") {
+TEST_CASE("bus-off disconnects the host and silences the device until the restart", "[threads]") {
   Board board("vcan0", true);
   Host host{opened(board, {.interface = "vcan0"}), {}};
   REQUIRE(host.link->start().ok());
@@ -249,7 +249,7 @@ TEST_CASE("bus-off disconnects the host and silences the device until the restar
   CHECK(host.link->bus_errors().restarted == 1);
 }
 
-TEST_CASE("error frames of other kinds are counted and disconnect nobody") {
+TEST_CASE("error frames of other kinds are counted and disconnect nobody", "[threads]") {
   Board board("vcan0", false);
   Host host{opened(board, {.interface = "vcan0"}), {}};
   REQUIRE(host.link->start().ok());
@@ -272,7 +272,7 @@ TEST_CASE("error frames of other kinds are counted and disconnect nobody") {
   CHECK(host.link->connected());
 }
 
-TEST_CASE("an interface that goes down and comes up again is connected again by itself") {
+TEST_CASE("an interface that goes down and comes up again is connected again by itself", "[threads]") {
   const bool fd = GENERATE(true, false);
   const std::string device = fd ? "vcan0" : "can1", name = fd ? "vcan0" : "can0";
   Board board(device.c_str(), fd);
@@ -296,7 +296,7 @@ TEST_CASE("an interface that goes down and comes up again is connected again by 
   exchange(board, host, firmware::State::kIdle);
 }
 
-TEST_CASE("an adapter that is pulled out and put back is bound again") {
+TEST_CASE("an adapter that is pulled out and put back is bound again", "[threads]") {
   run("/bin/ip link add vcan7 type vcan && /bin/ip link set vcan7 up");
   auto board = std::make_unique<Board>("vcan7", false);
   Host host{opened(*board, {.interface = "vcan7"}), {}};
@@ -317,7 +317,8 @@ TEST_CASE("an adapter that is pulled out and put back is bound again") {
   run("/bin/ip link del vcan7");
 }
 
-TEST_CASE("a babbling node costs a bounded number of frames a look, each one counted, and the states come through") {
+TEST_CASE("a babbling node costs a bounded number of frames a look, each one counted, and the states come through",
+          "[threads]") {
   const bool our_identifiers = GENERATE(true, false);
   Board board("vcan0", false);
   Host host{opened(board, {.interface = "vcan0"}), {}};
@@ -348,7 +349,7 @@ TEST_CASE("a babbling node costs a bounded number of frames a look, each one cou
   exchange(board, host, firmware::State::kIdle);
 }
 
-TEST_CASE("a host that did not look for long is given the newest state in one look") {
+TEST_CASE("a host that did not look for long is given the newest state in one look", "[threads]") {
   Board board("vcan0", false);
   Host host{opened(board, {.interface = "vcan0"}), {}};
   REQUIRE(host.link->start().ok());
@@ -358,7 +359,8 @@ TEST_CASE("a host that did not look for long is given the newest state in one lo
   CHECK(host.link->counters().superseded == 19);
 }
 
-TEST_CASE("a queue that ran over is empty after one look, its losses are counted, and what comes next is new") {
+TEST_CASE("a queue that ran over is empty after one look, its losses are counted, and what comes next is new",
+          "[threads]") {
   Board board("vcan0", false);
   Host host{opened(board, {.interface = "vcan0"}), {}};
   REQUIRE(host.link->start().ok());
@@ -375,7 +377,7 @@ TEST_CASE("a queue that ran over is empty after one look, its losses are counted
   CHECK(host.state.time_us / 8 == board.mechanics.time_us / 8);
 }
 
-TEST_CASE("a frame's arrival is when it came, not when it was read") {
+TEST_CASE("a frame's arrival is when it came, not when it was read", "[threads]") {
   Board board("can1", false);
   Host host{opened(board, {.interface = "can0"}), {}};
   REQUIRE(host.link->start().ok());
@@ -390,7 +392,7 @@ TEST_CASE("a frame's arrival is when it came, not when it was read") {
   CHECK(frame.arrival_ns < read - 100'000'000);
 }
 
-TEST_CASE("what is wrong at opening is said in one line that holds its cure") {
+TEST_CASE("what is wrong at opening is said in one line that holds its cure", "[threads]") {
   const auto message = [](CanOptions options) {
     options.first_frame = 50ms;
     const auto link = CanLink::open(options);

@@ -1,11 +1,13 @@
 // The GPIO lines over the kernel's gpio-sim, for the guest of the bench: needs root and gpiochip0 with eight lines of
 // the simulated chip, whose inputs are pulled and outputs read in sysfs.
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <string>
 #include <thread>
 
-#include "hal/gpio/gpio_lines.h"
+#include "hal/gpio/hand_lines.h"
 #include "rt/base/clock.h"
 
 using namespace tactus;
@@ -14,6 +16,8 @@ using hal::GpioLines;
 using hal::GpioOptions;
 
 namespace {
+
+constexpr unsigned kHands = 3;
 
 std::string file_of(unsigned line, const char* what) {
   return "/sys/devices/platform/gpio-sim.0/gpiochip0/sim_gpio" + std::to_string(line) + "/" + what;
@@ -100,6 +104,70 @@ TEST_CASE("a contact that bounces more often than the kernel keeps is read right
   CHECK(lines->estop());
   CHECK(lines->counters().estop_edges == 16);
   for (int i = 0; i < 3; ++i) CHECK(lines->estop() == ends_active);
+}
+
+TEST_CASE("one e-stop line stops every hand while it is active, whichever looks first") {
+  const bool low = GENERATE(false, true);
+  pull(3, low);
+  const auto hands = hal::HandLines::share(opened({.estop = GpioLine{3, low}}), kHands);
+  const auto all = [&](bool active) {
+    return std::ranges::all_of(hands, [&](const auto& hand) { return hand->estop() == active; });
+  };
+  CHECK(all(false));
+  for (int press = 0; press < 2; ++press) {
+    pull(3, !low);
+    CHECK(soon([&] { return all(true); }));
+    for (int look = 0; look < 20; ++look) CHECK(all(true));
+    for (auto hand = hands.rbegin(); hand != hands.rend(); ++hand) CHECK((*hand)->estop());
+    pull(3, low);
+    CHECK(soon([&] { return all(false); }));
+    for (int look = 0; look < 20; ++look) CHECK(all(false));
+  }
+}
+
+TEST_CASE("a stop that was there and went between two looks stops every hand once") {
+  const unsigned first = GENERATE(0u, kHands - 1);
+  pull(3, false);
+  const auto hands = hal::HandLines::share(opened({.estop = GpioLine{3, false}}), kHands);
+  for (const auto& hand : hands) REQUIRE_FALSE(hand->estop());
+  for (unsigned press = 1; press <= 2; ++press) {
+    pull(3, true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    pull(3, false);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // both edges are in the queue, nobody looked
+    // The queue of edges is common: what one hand takes from it, the others are told.
+    CHECK(soon([&] { return hands[first]->estop(); }));
+    for (unsigned hand = 0; hand < kHands; ++hand) {
+      CAPTURE(press, hand);
+      CHECK(hands[hand]->estop() == (hand != first));
+    }
+    for (int look = 0; look < 20; ++look)
+      for (const auto& hand : hands) CHECK_FALSE(hand->estop());
+  }
+}
+
+TEST_CASE("the drive enable is active while any hand wants force, the heartbeat while all tick") {
+  const auto hands = hal::HandLines::share(opened({.enable = GpioLine{4, false}, .heartbeat = GpioLine{6, false}}), 2);
+  const auto enabled = [&](bool first, bool second) {
+    hands[1]->enable(second);
+    hands[0]->enable(first);  // its thread sets the outputs
+    return value_of(4);
+  };
+  CHECK(enabled(false, false) == 0);
+  CHECK(enabled(true, false) == 1);
+  CHECK(enabled(false, true) == 1);
+  CHECK(enabled(false, false) == 0);
+  CHECK(enabled(true, true) == 1);
+  hands[0]->off();
+  CHECK(value_of(4) == 0);
+  for (int i = 1; i <= 4; ++i) {
+    const int before = value_of(6);
+    hands[0]->heartbeat();
+    CHECK(value_of(6) == before);  // the second has not ticked
+    hands[1]->heartbeat();
+    hands[0]->heartbeat();
+    CHECK(value_of(6) == 1 - before);
+  }
 }
 
 TEST_CASE("outputs start inactive and follow what is asked") {

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "firmware/board.h"
 
@@ -16,8 +18,10 @@ namespace tactus::vm {
 struct LinkFaults {
   std::uint64_t lost_states{0}, corrupt_states{0}, repeated_states{0}, wild_states{0}, odd_sizes{0}, silence{0};
   std::uint64_t lost_commands{0}, corrupt_commands{0}, repeated_commands{0};
-  std::uint64_t old_commands{0};  // commands after which an older one follows in the same period
-  std::uint64_t babble{0};        // periods in which eight frames of rubbish follow the true one
+  std::uint64_t idle_commands{0};  // that want FORCE and come as wanting IDLE
+  // Commands after which another one follows in the same period: an older one, a broken one, an older one with NaN.
+  std::uint64_t old_commands{0}, broken_followers{0}, nan_followers{0};
+  std::uint64_t babble{0};  // periods in which eight frames of rubbish follow the true one
 };
 
 template <firmware::DeviceLink Link>
@@ -28,13 +32,7 @@ class HostileLink {
   LinkFaults faults;
 
   std::size_t receive_command(std::span<std::byte, firmware::kMaxFrameSize> buffer) noexcept {
-    // After each command that came, where told to: an older one, which a device must not obey.
-    if (old_follows_) {
-      old_follows_ = false;
-      const auto& old = sent_[(sent_count_ + 1) % sent_.size()];
-      std::copy(old.begin(), old.end(), buffer.begin());
-      return firmware::kCommandFrameSize;
-    }
+    if (follower_ != Follower::kNone) return follow(std::exchange(follower_, Follower::kNone), buffer);
     while (const std::size_t size = link_.receive_command(buffer)) {
       note(buffer.first(size));
       if (holds(faults.repeated_commands) && last_size_ > 0) {
@@ -45,8 +43,9 @@ class HostileLink {
       last_size_ = size;
       if (size == firmware::kCommandFrameSize) {
         std::copy_n(buffer.begin(), size, sent_[++sent_count_ % sent_.size()].begin());
-        old_follows_ = sent_count_ > sent_.size() && holds(faults.old_commands);
+        if (sent_count_ > sent_.size()) follower_ = choose_follower();
       }
+      want_idle(buffer.first(size));
       if (holds(faults.corrupt_commands)) flip_bits(buffer.first(size));
       if (!holds(faults.lost_commands)) return size;
     }
@@ -83,6 +82,39 @@ class HostileLink {
 
  private:
   static bool holds(std::uint64_t& frames) noexcept { return frames > 0 && frames-- > 0; }
+
+  // What follows a command that came, where told to: the device must obey none of these.
+  enum class Follower { kNone, kOld, kBroken, kNan };
+
+  Follower choose_follower() noexcept {
+    if (holds(faults.old_commands)) return Follower::kOld;
+    if (holds(faults.broken_followers)) return Follower::kBroken;
+    return holds(faults.nan_followers) ? Follower::kNan : Follower::kNone;
+  }
+
+  std::size_t follow(Follower follower, std::span<std::byte, firmware::kMaxFrameSize> buffer) noexcept {
+    const auto& frame =
+        follower == Follower::kBroken ? sent_[sent_count_ % sent_.size()] : sent_[(sent_count_ + 1) % sent_.size()];
+    const auto bytes = buffer.template first<firmware::kCommandFrameSize>();
+    std::copy(frame.begin(), frame.end(), bytes.begin());
+    if (follower == Follower::kBroken) bytes[bytes.size() / 2] ^= std::byte{1};
+    firmware::CommandFrame command;
+    if (follower == Follower::kNan && firmware::decode_command(bytes, command) == firmware::DecodeError::kNone) {
+      command.effort.fill(std::numeric_limits<float>::quiet_NaN());
+      firmware::encode_command(command, bytes);
+    }
+    return bytes.size();
+  }
+
+  void want_idle(std::span<std::byte> bytes) noexcept {
+    firmware::CommandFrame command;
+    if (bytes.size() != firmware::kCommandFrameSize ||
+        firmware::decode_command(bytes, command) != firmware::DecodeError::kNone ||
+        command.wanted != firmware::State::kForce || !holds(faults.idle_commands))
+      return;
+    command.wanted = firmware::State::kIdle;
+    firmware::encode_command(command, bytes.template first<firmware::kCommandFrameSize>());
+  }
 
   void note(std::span<const std::byte> bytes) noexcept {
     firmware::CommandFrame command;
@@ -137,7 +169,7 @@ class HostileLink {
   std::size_t last_size_{0}, last_state_size_{0};
   std::array<std::array<std::byte, firmware::kCommandFrameSize>, 8> sent_{};  // the last ones
   std::size_t sent_count_{0};
-  bool old_follows_{false};
+  Follower follower_{Follower::kNone};
   float largest_effort_{0};
   bool not_finite_{false};
 };

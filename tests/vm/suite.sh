@@ -10,14 +10,14 @@ side_by_side=(debian usb can fd)
 declare -A scenarios_of=(
   [usb]='drivers user:usb programs:usb faults:usb recovery:usb hostile:usb house:usb hil:usb falcon:usb'
   [can]='user:can programs:can faults:can recovery:can hostile:can house:can hil:can arms:can'
-  [fd]='programs:can-fd faults:can-fd recovery:can-fd hostile:can-fd hil:can-fd arms:can-fd own_device:can-fd'
+  [fd]='programs:can-fd faults:can-fd recovery:can-fd hostile:can-fd hil:can-fd arms:can-fd own_device:can-fd gpio_hands'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
 # With --quick: each scenario once, on one of the links.
 declare -A quick_scenarios_of=(
   [usb]='drivers user:usb programs:usb house:usb falcon:usb'
   [can]='faults:can hil:can arms:can'
-  [fd]='recovery:can-fd hostile:can-fd own_device:can-fd'
+  [fd]='recovery:can-fd hostile:can-fd own_device:can-fd gpio_hands'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
 guest_tools=(candump cansend cangen)
@@ -44,6 +44,7 @@ run_guest() {
   done
   for file in "${guest_tools[@]}"; do add_file "$(command -v "$file")"; done
   for file in "$bench"/guest/{suite,provoke,lib.sh} "$bench/press.toml" "$root/sim/scenes/card_house.toml" \
+    "$root/tools/examples/two_hands.toml" \
     "$root"/hal/devices/{point_arm_drives,wristed_arm_moteus}.toml; do
     add_file "$file" "bench/$(basename "$file")"
   done

@@ -145,11 +145,11 @@ ServiceMessage read_request(std::uint16_t address, std::uint8_t tag) {
 
 }  // namespace
 
-TEST_CASE("USB guest: without a device the error says what to do", "[usb]") {
+TEST_CASE("USB guest: without a device the error says what to do", "[usb][threads]") {
   CHECK(error_of({}) == "no tactus device on USB (1209:0001): plug it in and switch it on");
 }
 
-TEST_CASE("USB guest: a device is listed with what it is, and opened alone or by its serial", "[usb]") {
+TEST_CASE("USB guest: a device is listed with what it is, and opened alone or by its serial", "[usb][threads]") {
   Board board("SERIAL-7");
   REQUIRE(opened() != nullptr);
   const auto list = hal::enumerate_usb();
@@ -166,7 +166,7 @@ TEST_CASE("USB guest: a device is listed with what it is, and opened alone or by
         "no USB device with serial SERIAL-8; there are: " + describe(info));
 }
 
-TEST_CASE("USB guest: a device that is in use, or not ours to open, is an error with its cure", "[usb]") {
+TEST_CASE("USB guest: a device that is in use, or not ours to open, is an error with its cure", "[usb][threads]") {
   Board board;
   {
     const auto link = opened();
@@ -185,7 +185,7 @@ TEST_CASE("USB guest: a device that is in use, or not ours to open, is an error 
   CHECK(list.value().front().problem.find("no permission") != std::string::npos);
 }
 
-TEST_CASE("USB guest: frames flow both ways, and each one is accounted for", "[usb]") {
+TEST_CASE("USB guest: frames flow both ways, and each one is accounted for", "[usb][threads]") {
   Board board;
   const auto link = opened();
   REQUIRE(link->start().ok());
@@ -224,7 +224,7 @@ TEST_CASE("USB guest: frames flow both ways, and each one is accounted for", "[u
   CHECK(device.states_sent >= counters.received);  // those before start()
 }
 
-TEST_CASE("USB guest: questions are answered while frames flow", "[usb]") {
+TEST_CASE("USB guest: questions are answered while frames flow", "[usb][threads]") {
   Board board;
   const auto link = opened();
   Host host(*link);
@@ -258,7 +258,7 @@ TEST_CASE("USB guest: questions are answered while frames flow", "[usb]") {
 }
 
 TEST_CASE("USB guest: a control loop that stands still is an error after the time given, and then answers again",
-          "[usb]") {
+          "[usb][threads]") {
   Board board;
   const auto link = opened();
   REQUIRE(link->call(read_request(firmware::number::kFirmware, 1), 5s).ok());
@@ -272,7 +272,7 @@ TEST_CASE("USB guest: a control loop that stands still is an error after the tim
   CHECK(link->connected());
 }
 
-TEST_CASE("USB guest: unplugged is told at once, and plugged in again it goes on by itself", "[usb]") {
+TEST_CASE("USB guest: unplugged is told at once, and plugged in again it goes on by itself", "[usb][threads]") {
   Board board;
   const auto link = opened();
   REQUIRE(link->start().ok());
@@ -307,7 +307,7 @@ TEST_CASE("USB guest: unplugged is told at once, and plugged in again it goes on
   CHECK(board.link.counters().disconnects == 3);
 }
 
-TEST_CASE("USB guest: an endpoint that halts is cleared when the link opens and while frames flow", "[usb]") {
+TEST_CASE("USB guest: an endpoint that halts is cleared when the link opens and while frames flow", "[usb][threads]") {
   Board board;
   std::unique_ptr<UsbLink> link = opened();
   for (unsigned cycle = 0; cycle < 10; ++cycle) {
@@ -348,7 +348,7 @@ TEST_CASE("USB guest: an endpoint that halts is cleared when the link opens and 
   }
 }
 
-TEST_CASE("USB guest: another device in the place of the one that was pulled is not taken for it", "[usb]") {
+TEST_CASE("USB guest: another device in the place of the one that was pulled is not taken for it", "[usb][threads]") {
   std::unique_ptr<UsbLink> link;
   {
     Board board("FIRST");
@@ -366,7 +366,7 @@ TEST_CASE("USB guest: another device in the place of the one that was pulled is 
   CHECK(soon([&] { return link->connected(); }));
 }
 
-TEST_CASE("USB guest: what a device sends is handed out as it is, whatever it is", "[usb]") {
+TEST_CASE("USB guest: what a device sends is handed out as it is, whatever it is", "[usb][threads]") {
   firmware::UsbGadgetLink device;
   firmware::GadgetOptions options;
   options.serial = "HOSTILE";
@@ -424,7 +424,7 @@ class RawHost {
 
 }  // namespace
 
-TEST_CASE("USB guest: Windows finds the Microsoft OS descriptors", "[usb]") {
+TEST_CASE("USB guest: Windows finds the Microsoft OS descriptors", "[usb][threads]") {
   Board board;
   RawHost host;
   REQUIRE(host.control(0x80, LIBUSB_REQUEST_GET_DESCRIPTOR, 0x03ee, 0, 255) == 18);
@@ -443,7 +443,7 @@ TEST_CASE("USB guest: Windows finds the Microsoft OS descriptors", "[usb]") {
   CHECK(narrow.find(firmware::kUsbInterfaceGuid) != std::string::npos);
 }
 
-TEST_CASE("USB guest: requests that are none are refused, and the next good one is answered", "[usb]") {
+TEST_CASE("USB guest: requests that are none are refused, and the next good one is answered", "[usb][threads]") {
   Board board;
   RawHost host;
   const unsigned out = firmware::kUsbRequestOut, in = firmware::kUsbRequestIn;

@@ -18,12 +18,14 @@ std::string in_own_words(std::string message);
 struct Access {
   // Checks ranges and combinations of the options only. `duration_s`: of the run; 0: until stopped.
   static Error check(const Options& options, double duration_s);
-  static Error open(Session& session, const Scene& scene, const Options& options, Device* device = nullptr);
+  // `devices`: the caller's, one for each hand, null: the simulated one; or none at all.
+  static Error open(Session& session, const Scene& scene, const Options& options,
+                    std::span<Device* const> devices = {});
   static const sim::Scene& scene(const Scene& scene);  // `scene` must not be empty
   static const std::filesystem::path& file(const Scene& scene);
-  static session::Session& session(Session& session);         // `session` must be open
+  static session::Session& session(Session& session);         // of the first hand; `session` must be open
   static session::VirtualRun& virtual_run(Session& session);  // `session` must be open, in virtual time
-  static session::RunSummary summary(Session& session);       // `session` must have been opened; closes the tape
+  static session::RunSummary summary(Session& session);  // the same; `session` must have been opened; closes the tape
 };
 
 }  // namespace tactus::library

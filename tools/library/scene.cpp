@@ -1,5 +1,7 @@
 #include "tactus/scene.h"
 
+#include <fmt/format.h>
+
 #include "sim/loader/body_label.h"
 #include "sim/loader/scene_load.h"
 #include "tools/library/access.h"
@@ -84,14 +86,23 @@ Error Scene::parse(std::string_view text, std::string_view name) {
 std::string Scene::name() const { return empty() ? std::string() : Access::scene(*this).name; }
 std::string Scene::title() const { return empty() ? std::string() : Access::scene(*this).title; }
 std::string Scene::text() const { return empty() ? std::string() : Access::scene(*this).source; }
-BodyNumber Scene::proxy() const noexcept { return empty() ? 0 : Access::scene(*this).proxy; }
+unsigned Scene::hands() const noexcept { return empty() ? 0 : Access::scene(*this).hands(); }
+
+BodyNumber Scene::proxy(unsigned hand) const noexcept {
+  if (hand >= hands()) return 0;
+  const sim::Scene& scene = Access::scene(*this);
+  return hand == 0 ? scene.proxy : scene.more_hands[hand - 1].proxy;
+}
 
 std::uint32_t Scene::bodies() const noexcept {
   return empty() ? 0 : static_cast<std::uint32_t>(Access::scene(*this).bodies.size());
 }
 
-double Scene::hand_duration_s() const noexcept {
-  return empty() || Access::scene(*this).hand.path.empty() ? 0.0 : Access::scene(*this).hand.path.back().time_s;
+double Scene::hand_duration_s(unsigned hand) const noexcept {
+  if (hand >= hands()) return 0.0;
+  const sim::Scene& scene = Access::scene(*this);
+  const auto& path = hand == 0 ? scene.hand.path : scene.more_hands[hand - 1].hand.path;
+  return path.empty() ? 0.0 : path.back().time_s;
 }
 
 BodyInfo Scene::body(BodyNumber number) const noexcept {
@@ -110,7 +121,8 @@ BodyInfo Scene::body(BodyNumber number) const noexcept {
 
 std::string Scene::body_name(BodyNumber number) const {
   if (body_of(static_cast<const sim::Scene*>(scene_.get()), number) == nullptr) return {};
-  if (number == proxy()) return "proxy";
+  for (unsigned hand = 0; hand < hands(); ++hand)
+    if (number == proxy(hand)) return hand == 0 ? "proxy" : fmt::format("proxy{}", hand + 1);
   // "'door' (line 12)", "body 3 (line 20)"
   std::string label = sim::body_label(Access::scene(*this), number);
   label.resize(std::min(label.rfind(" ("), label.size()));

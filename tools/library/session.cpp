@@ -49,28 +49,45 @@ Summary to_public(const session::RunSummary& from) {
 
 }  // namespace
 
-Error Access::open(Session& session, const Scene& scene, const Options& options, Device* device) {
+namespace {
+
+// A scene that is empty has no hands; the session says so when it is built.
+unsigned hands_of(const Scene& scene) { return std::max(1u, scene.hands()); }
+
+// The options of one hand: its device, its script of faults.
+Result<session::RunOptions> options_of_hand(const Options& options, const std::filesystem::path& scene_file,
+                                            unsigned hand, bool own_device) {
+  Options own = options;
+  if (hand > 0) own.inject = hand <= options.more_injects.size() ? options.more_injects[hand - 1] : "";
+  auto read = library::run_options(own);
+  if (!read.ok()) return read;
+  read.value().scene = scene_file;
+  if (!own_device) return read;
+  if (options.device != "sim" || !options.device_file.empty())
+    return Status::error(fmt::format(
+        "--device: '{:.64}' beside a Device of the program's own; accepted: sim, or no Device", options.device));
+  read.value().given_device = true;
+  read.value().device = session::kGivenDevice;
+  if (const Status status = session::check_options(read.value()); !status.ok()) return status;
+  return read;
+}
+
+}  // namespace
+
+Error Access::open(Session& session, const Scene& scene, const Options& options, std::span<Device* const> devices) {
   static std::atomic<std::uint64_t> openings{0};
-  auto parts = std::make_unique<Session::Parts>();
+  auto parts = std::make_unique<Session::Parts>(hands_of(scene));
   parts->opening = ++openings;
-  auto read = library::run_options(options);
   parts->scene = scene;
   parts->options = options;
-  parts->device = device;  // copied first: they may belong to the session closed below
+  parts->devices.assign(devices.begin(), devices.end());  // copied first: they may belong to the session closed below
   (void)session.close();
   session.parts_.reset();
-  if (!read.ok()) return {Kind::kOption, read.message()};
-  parts->run_options = std::move(read).value();
-  parts->run_options.scene = file(parts->scene);
-  if (device != nullptr) {
-    if (parts->options.device != "sim" || !parts->options.device_file.empty())
-      return {Kind::kOption,
-              fmt::format("--device: '{:.64}' beside a Device of the program's own; accepted: sim, or no Device",
-                          parts->options.device)};
-    parts->run_options.given_device = true;
-    parts->run_options.device = session::kGivenDevice;
-    if (const Status status = session::check_options(parts->run_options); !status.ok())
-      return {Kind::kOption, status.message()};
+  for (unsigned hand = 0; hand < parts->each.size(); ++hand) {
+    const bool own_device = hand < devices.size() && parts->devices[hand] != nullptr;
+    auto read = options_of_hand(parts->options, file(parts->scene), hand, own_device);
+    if (!read.ok()) return {Kind::kOption, read.message()};
+    parts->run_options.push_back(std::move(read).value());
   }
   Error error;
   if (const Status status = caught([&] { error = parts->build(); }); !status.ok())
@@ -79,13 +96,13 @@ Error Access::open(Session& session, const Scene& scene, const Options& options,
   return error;
 }
 
-session::Session& Access::session(Session& session) { return *session.parts_->session; }
+session::Session& Access::session(Session& session) { return *session.parts_->sessions.front(); }
 
 session::VirtualRun& Access::virtual_run(Session& session) { return *session.parts_->virtual_run; }
 
 session::RunSummary Access::summary(Session& session) {
   session.parts_->end();
-  return session.parts_->summary();
+  return session.parts_->summary(0);
 }
 
 Session::Session() noexcept = default;
@@ -109,20 +126,23 @@ Error Session::open(const Scene& scene, const Options& options) {
   return in_own_words(Access::open(*this, scene, options));
 }
 Error Session::open(const Scene& scene, const Options& options, Device& device) {
-  return in_own_words(Access::open(*this, scene, options, &device));
+  Device* const only = &device;
+  return in_own_words(Access::open(*this, scene, options, {&only, 1}));
+}
+Error Session::open(const Scene& scene, const Options& options, std::span<Device* const> devices) {
+  return in_own_words(Access::open(*this, scene, options, devices));
 }
 
 bool Session::is_open() const noexcept { return parts_ != nullptr && !parts_->closed; }
 
 Error Session::record(const std::filesystem::path& tape) {
   if (!is_open()) return not_open("record");
-  session::Session& session = *parts_->session;
-  if (session.stats.ticks > 0 || session.drain != nullptr || parts_->ended)
+  const session::Session& first = *parts_->sessions.front();
+  if (first.stats.ticks > 0 || first.drain != nullptr || parts_->ended())
     return {Kind::kUse, "Session::record: too late; accepted: once, before the first tick"};
   if (tape.empty()) return {Kind::kUse, "Session::record: no file is named; accepted: a path"};
-  session.options.record = tape;
-  if (const Status status = session.record(tape.string()); !status.ok()) {
-    session.options.record.clear();
+  if (const Status status = parts_->hands->record(tape); !status.ok()) {
+    for (session::Session* session : parts_->sessions) session->options.record.clear();
     return {Kind::kFile, status.message()};
   }
   return {};
@@ -132,7 +152,7 @@ Error Session::step(std::uint64_t ticks) {
   if (!is_open()) return not_open("step");
   if (!parts_->virtual_run)
     return {Kind::kUse, "Session::step: this session is in real time; accepted: run(), or Options::real_time = false"};
-  if (Error error = parts_->start_device()) return error;
+  if (Error error = parts_->start_devices()) return error;
   parts_->step(ticks);
   return {};
 }
@@ -143,7 +163,7 @@ Error Session::run(double duration_s, const Monitor& monitor) {
     return {Kind::kUse,
             "Session::run: this session is in virtual time; accepted: step(), or Options::real_time = true"};
   if (parts_->in_monitor) return {Kind::kUse, "Session::run: a run is under way; accepted: when it is over"};
-  if (parts_->ended) return {Kind::kUse, "Session::run: this session has run; accepted: after reset() or open()"};
+  if (parts_->ended()) return {Kind::kUse, "Session::run: this session has run; accepted: after reset() or open()"};
   if (!(duration_s == 0 || (duration_s >= 0.01 && duration_s <= 1e6)))
     return {
         Kind::kOption,
@@ -165,8 +185,11 @@ Error Session::reset() {
 struct SavedState::State {
   std::uint64_t opening{0};  // of the session
   std::shared_ptr<const session::VirtualRun::Saved> run;
-  std::optional<library::OwnDevice::State> own;
-  Tick last;
+  struct Hand {
+    std::optional<library::OwnDevice::State> own;
+    Tick last;
+  };
+  std::vector<Hand> hands;
 };
 
 Error Session::save(SavedState& saved) const {
@@ -175,8 +198,11 @@ Error Session::save(SavedState& saved) const {
   auto state = std::make_shared<SavedState::State>();
   state->opening = parts_->opening;
   state->run = parts_->virtual_run->save();
-  if (parts_->own != nullptr) state->own = parts_->own->state();
-  state->last = parts_->last;
+  for (const Parts::Hand& hand : parts_->each) {
+    SavedState::State::Hand& kept = state->hands.emplace_back();
+    if (hand.own != nullptr) kept.own = hand.own->state();
+    kept.last = hand.last;
+  }
   saved.state_ = std::move(state);
   return {};
 }
@@ -187,13 +213,17 @@ Error Session::restore(const SavedState& saved) {
     return {Kind::kUse, "Session::restore: this session is in real time; accepted: virtual time"};
   if (saved.empty() || saved.state_->opening != parts_->opening)
     return {Kind::kUse, "Session::restore: the state is not of this session; accepted: what its save() gave"};
-  if (parts_->session->drain != nullptr)
+  if (parts_->sessions.front()->drain != nullptr)
     return {Kind::kUse, "Session::restore: a tape is being written, and it has no jumps; accepted: without record()"};
-  if (Error error = parts_->start_device()) return error;
+  if (Error error = parts_->start_devices()) return error;
   parts_->virtual_run->restore(*saved.state_->run);
-  if (saved.state_->own) parts_->own->set_state(*saved.state_->own);
-  parts_->last = saved.state_->last;
-  parts_->history_size = 0;
+  for (std::size_t i = 0; i < parts_->each.size(); ++i) {
+    Parts::Hand& hand = parts_->each[i];
+    const SavedState::State::Hand& kept = saved.state_->hands[i];
+    if (kept.own) hand.own->set_state(*kept.own);
+    hand.last = kept.last;
+    hand.history_size = 0;
+  }
   parts_->view_is_old = true;
   return {};
 }
@@ -202,74 +232,79 @@ Error Session::close() {
   if (!is_open() || parts_->in_monitor) return {};
   parts_->end();
   parts_->closed = true;
-  const std::string& fault = parts_->ended->tape_fault;
-  return fault.empty() ? Error() : Error(Kind::kFile, fault);
+  for (const Parts::Hand& hand : parts_->each)
+    if (const std::string& fault = hand.ended->tape_fault; !fault.empty()) return {Kind::kFile, fault};
+  return {};
 }
 
-void Session::request(Request request) noexcept {
-  if (parts_ != nullptr) parts_->requests.fetch_or(static_cast<std::uint32_t>(request), std::memory_order_relaxed);
+void Session::request(Request request, unsigned hand) noexcept {
+  if (hand < hands())
+    parts_->each[hand].requests.fetch_or(static_cast<std::uint32_t>(request), std::memory_order_relaxed);
 }
 void Session::stop() noexcept {
   if (parts_ != nullptr) parts_->stop.store(true, std::memory_order_relaxed);
 }
 
-const Tick& Session::last() const noexcept {
+unsigned Session::hands() const noexcept { return parts_ != nullptr ? static_cast<unsigned>(parts_->each.size()) : 0; }
+
+const Tick& Session::last(unsigned hand) const noexcept {
   static const Tick nothing;
-  return parts_ != nullptr ? parts_->last : nothing;
+  return hand < hands() ? parts_->each[hand].last : nothing;
 }
-std::span<const Tick> Session::ticks() const noexcept {
-  if (parts_ == nullptr) return {};
-  return {parts_->history.data(), parts_->history_size};
+std::span<const Tick> Session::ticks(unsigned hand) const noexcept {
+  if (hand >= hands()) return {};
+  return {parts_->each[hand].history.data(), parts_->each[hand].history_size};
 }
 std::uint64_t Session::ticks_done() const noexcept {
   if (parts_ == nullptr) return 0;
-  return parts_->in_monitor ? parts_->last.number + 1 : parts_->session->stats.ticks;
+  return parts_->in_monitor ? last().number + 1 : parts_->sessions.front()->stats.ticks;
 }
 double Session::time_s() const noexcept { return static_cast<double>(ticks_done()) * period_s(); }
-double Session::period_s() const noexcept { return parts_ != nullptr ? parts_->session->options.period_s() : 0.0; }
+double Session::period_s() const noexcept {
+  return parts_ != nullptr ? parts_->sessions.front()->options.period_s() : 0.0;
+}
 
 std::span<const BodyState> Session::bodies() const {
   if (parts_ == nullptr) return {};
   parts_->look();
   return parts_->view.bodies;
 }
-std::span<const Role> Session::roles() const {
-  if (parts_ == nullptr) return {};
+std::span<const Role> Session::roles(unsigned hand) const {
+  if (hand >= hands()) return {};
   parts_->look();
-  return parts_->view.roles;
+  return parts_->view.hands[hand].roles;
 }
-std::span<const BodyNumber> Session::members() const {
-  if (parts_ == nullptr) return {};
+std::span<const BodyNumber> Session::members(unsigned hand) const {
+  if (hand >= hands()) return {};
   parts_->look();
-  return parts_->view.members;
+  return parts_->view.hands[hand].members;
 }
-std::span<const Contact> Session::contacts() const {
-  if (parts_ == nullptr || parts_->in_monitor) return {};
+std::span<const Contact> Session::contacts(unsigned hand) const {
+  if (hand >= hands() || parts_->in_monitor) return {};
   parts_->look();
-  return parts_->view.contacts;
+  return parts_->view.hands[hand].contacts;
 }
-std::span<const BorderContact> Session::border_contacts() const {
-  if (parts_ == nullptr || parts_->in_monitor) return {};
+std::span<const BorderContact> Session::border_contacts(unsigned hand) const {
+  if (hand >= hands() || parts_->in_monitor) return {};
   parts_->look();
-  return parts_->view.border;
+  return parts_->view.hands[hand].border;
 }
 
-std::uint64_t Session::state_hash() const noexcept {
-  return parts_ == nullptr || parts_->in_monitor ? 0 : parts_->session->loop->state_hash();
+std::uint64_t Session::state_hash(unsigned hand) const noexcept {
+  return hand >= hands() || parts_->in_monitor ? 0 : parts_->sessions[hand]->loop->state_hash();
 }
 
-std::vector<std::string> Session::notes() const {
-  if (parts_ == nullptr) return {};
-  const session::Session& session = *parts_->session;
+std::vector<std::string> Session::notes(unsigned hand) const {
+  if (hand >= hands()) return {};
+  const session::Session& session = *parts_->sessions[hand];
   const std::string lowered = lowered_text(gains_of(session.scene, session.options, session.device->properties()));
   if (lowered.empty()) return {};
-  return {
-      fmt::format("{}: the most that coupling {} bears at ratio {}", lowered, parts_->options.coupling, session.ratio)};
+  return {fmt::format("{}: {}", lowered, library::in_own_words(lowered_why(session.options, session.ratio)))};
 }
 
-Summary Session::summary() const {
-  if (parts_ == nullptr || parts_->in_monitor) return {};
-  return to_public(parts_->summary());
+Summary Session::summary(unsigned hand) const {
+  if (hand >= hands() || parts_->in_monitor) return {};
+  return to_public(parts_->summary(hand));
 }
 
 const Scene& Session::scene() const noexcept {

@@ -35,19 +35,43 @@ class DenormalsFlushed {
 
 }  // namespace
 
-Error Session::Parts::build_device(session::Hardware& hardware) {
-  if (device != nullptr) {
-    const DeviceProperties properties = device->properties();
+void Session::Parts::Hand::keep(std::uint64_t written) {
+  const std::size_t room = history.size();
+  history_size = static_cast<std::size_t>(std::min<std::uint64_t>(written, room));
+  if (written > room)
+    std::rotate(history.begin(), history.begin() + static_cast<std::ptrdiff_t>(written % room), history.end());
+}
+
+Error Session::Parts::check() const {
+  if (scene.empty()) return {Kind::kUse, "Session::open: the scene is empty; accepted: after Scene::load"};
+  if (!devices.empty() && devices.size() != each.size())
+    return {Kind::kOption, fmt::format("Session::open: {}: {} devices for {} hands; accepted: one for each, null: the "
+                                       "simulated one",
+                                       scene.name(), devices.size(), each.size())};
+  if (options.more_injects.size() >= each.size())
+    return {Kind::kOption, fmt::format("more_injects: {} beside --inject, for {} hands; accepted: up to {}",
+                                       options.more_injects.size(), each.size(), each.size() - 1)};
+  if (options.real_time && each.size() > 1)
+    return {Kind::kOption, fmt::format("real_time: {} has {} hands; accepted: --virtual-time, or `tactus run`",
+                                       scene.name(), each.size())};
+  return {};
+}
+
+Error Session::Parts::build_device(unsigned hand, session::Hardware& hardware) {
+  const session::RunOptions& own_options = run_options[hand];
+  if (!devices.empty() && devices[hand] != nullptr) {
+    const DeviceProperties properties = devices[hand]->properties();
     if (const Status status = library::check_properties(properties); !status.ok())
       return {Kind::kOption, status.message()};
-    auto adapter = std::make_unique<library::OwnDevice>(*device, properties, run_options.period_s());
-    own = adapter.get();
+    auto adapter = std::make_unique<library::OwnDevice>(*devices[hand], properties, own_options.period_s());
+    each[hand].own = adapter.get();
     hardware.device = std::make_unique<hal::AnyDevice>(std::move(adapter));
     return {};
   }
-  const auto profile = session::find_description(library::Access::scene(scene).device.profile, run_options.device_file);
+  const std::string profile_name = sim::scene_of_hand(library::Access::scene(scene), hand).device.profile;
+  const auto profile = session::find_description(profile_name, own_options.device_file);
   if (!profile.ok()) return {Kind::kFile, profile.message()};
-  auto opened = session::open_hardware(run_options, profile.value());
+  auto opened = session::open_hardware(own_options, profile.value());
   if (!opened.ok()) return {Kind::kMachine, opened.message()};
   hardware = std::move(opened).value();
   return {};
@@ -56,30 +80,36 @@ Error Session::Parts::build_device(session::Hardware& hardware) {
 Error Session::Parts::build() {
   DenormalsFlushed flushed;
   virtual_run.reset();
-  session.reset();
-  ended.reset();
-  own = nullptr;
-  started = false;
-  requests.store(0, std::memory_order_relaxed);
+  sessions.clear();
+  hands.reset();
   stop.store(false, std::memory_order_relaxed);
-  if (scene.empty()) return {Kind::kUse, "Session::open: the scene is empty; accepted: after Scene::load"};
-  session::Hardware hardware;
-  if (Error error = build_device(hardware)) return error;
-  auto created = session::Session::create(library::Access::scene(scene), run_options, std::move(hardware));
+  for (Hand& hand : each) {
+    hand.ended.reset();
+    hand.own = nullptr;
+    hand.started = false;
+    hand.requests.store(0, std::memory_order_relaxed);
+    hand.last = {};
+    hand.history.resize(options.history_ticks);
+    hand.history_size = 0;
+  }
+  if (Error error = check()) return error;
+  std::vector<session::Hardware> hardware(each.size());
+  for (unsigned hand = 0; hand < each.size(); ++hand)
+    if (Error error = build_device(hand, hardware[hand])) return error;
+  auto created = session::Hands::create(library::Access::scene(scene), run_options, std::move(hardware));
   if (!created.ok()) return {Kind::kOption, created.message()};
-  session = std::move(created).value();
-  last = {};
-  history.resize(options.history_ticks);
-  history_size = 0;
-  view.bind(*session);
+  hands.emplace(std::move(created).value());
+  sessions = hands->sessions();
+  view.bind(sessions);
   view_is_old = true;
+  asked_.assign(each.size(), 0);
   if (options.real_time) {
     make_real_time();
     return {};
   }
-  if (const Status status = session::VirtualRun::check(*session); !status.ok())
+  if (const Status status = session::VirtualRun::check(*sessions[0]); !status.ok())
     return {Kind::kMachine, status.message()};
-  virtual_run.emplace(*session);
+  virtual_run.emplace(*hands);
   return {};
 }
 
@@ -88,74 +118,82 @@ void Session::Parts::make_real_time() {
   ring = std::make_unique<Ring>(bytes);
   dropped_before = 0;
   hand_over = std::make_unique<library::StateHandOver>();
-  hand_over->bind(*session);
+  hand_over->bind(sessions);
 }
 
-Error Session::Parts::start_device() {
-  if (started) return {};
-  const Status status = session->device->start();
-  started = status.ok();
-  return started ? Error() : Error(Kind::kMachine, status.message());
+Error Session::Parts::start_devices() {
+  for (unsigned hand = 0; hand < each.size(); ++hand) {
+    if (each[hand].started) continue;
+    const Status status = sessions[hand]->device->start();
+    each[hand].started = status.ok();
+    if (!status.ok()) return {Kind::kMachine, status.message()};
+  }
+  return {};
 }
 
 void Session::Parts::end() {
-  if (session == nullptr) return;
-  if (own != nullptr) own->finish();
-  if (!ended) {
-    session::RunSummary summary = session->summary();
-    session->close_tape(summary);
-    ended = std::move(summary);
+  if (!hands) return;
+  for (Hand& hand : each)
+    if (hand.own != nullptr) hand.own->finish();
+  for (unsigned hand = 0; hand < each.size(); ++hand) {
+    if (each[hand].ended) continue;
+    session::RunSummary summary = sessions[hand]->summary();
+    sessions[hand]->close_tape(summary);
+    each[hand].ended = std::move(summary);
   }
 }
 
 void Session::Parts::step(std::uint64_t ticks) {
   DenormalsFlushed flushed;
-  const std::size_t room = history.size();
+  const double period_s = sessions[0]->options.period_s();
   std::uint64_t done = 0;
   for (; done < ticks && !stop.load(std::memory_order_relaxed); ++done) {
-    const std::uint32_t asked = requests.load(std::memory_order_relaxed) != 0 ? requests.exchange(0) : 0u;
-    virtual_run->tick(asked);
-    last = library::to_tick(*session->driver, session->options.period_s());
-    history[done % room] = last;
+    for (std::size_t hand = 0; hand < each.size(); ++hand) {
+      auto& requests = each[hand].requests;
+      asked_[hand] = requests.load(std::memory_order_relaxed) != 0 ? requests.exchange(0) : 0u;
+    }
+    virtual_run->tick(asked_);
+    for (unsigned hand = 0; hand < each.size(); ++hand) {
+      Hand& of = each[hand];
+      of.last = library::to_tick(*sessions[hand]->driver, period_s);
+      of.history[done % of.history.size()] = of.last;
+    }
   }
   stop.store(false, std::memory_order_relaxed);
-  history_size = static_cast<std::size_t>(std::min<std::uint64_t>(done, room));
-  if (done > room)
-    std::rotate(history.begin(), history.begin() + static_cast<std::ptrdiff_t>(done % room), history.end());
+  for (Hand& hand : each) hand.keep(done);
   view_is_old = view_is_old || done > 0;
 }
 
 // Reads the ring and keeps the newest history_ticks; returns the number of ticks lost.
 std::uint64_t Session::Parts::take_ticks() {
-  const std::size_t room = history.size();
+  Hand& hand = each.front();
+  const std::size_t room = hand.history.size();
   std::uint64_t taken = 0;
   RingRecord record;
   Tick tick;
   while (ring->try_pop(record, std::as_writable_bytes(std::span<Tick, 1>(&tick, 1))) == Pop::kRecord) {
-    history[taken++ % room] = tick;
+    hand.history[taken++ % room] = tick;
   }
   const std::uint64_t dropped = ring->dropped();
   std::uint64_t lost = dropped - dropped_before;
   dropped_before = dropped;
-  history_size = static_cast<std::size_t>(std::min<std::uint64_t>(taken, room));
-  if (taken > room) {
-    lost += taken - room;
-    std::rotate(history.begin(), history.begin() + static_cast<std::ptrdiff_t>(taken % room), history.end());
-  }
-  if (history_size > 0) last = history[history_size - 1];
+  hand.keep(taken);
+  if (taken > room) lost += taken - room;
+  if (hand.history_size > 0) hand.last = hand.history[hand.history_size - 1];
   return lost;
 }
 
 Error Session::Parts::run(double duration_s, const Monitor& monitor) {
   DenormalsFlushed flushed;
-  session->options.duration_s = duration_s;
+  Hand& hand = each.front();
+  sessions[0]->options.duration_s = duration_s;
   session::RealtimeHooks hooks;
   hooks.look_every = kLook;
-  hooks.requests = &requests;
+  hooks.requests = &hand.requests;
   hooks.taps.context = this;
   hooks.taps.ticked = [](void* self, const session::Driver& driver) noexcept {
     auto& parts = *static_cast<Parts*>(self);
-    const Tick tick = library::to_tick(driver, parts.session->options.period_s());
+    const Tick tick = library::to_tick(driver, parts.sessions[0]->options.period_s());
     (void)parts.ring->try_push(0, std::span<const Tick, 1>(&tick, 1));  // the ring counts a tick that does not fit
   };
   if (monitor)
@@ -165,7 +203,7 @@ Error Session::Parts::run(double duration_s, const Monitor& monitor) {
   Progress progress;
   const auto show = [&] {
     progress.ticks_lost = take_ticks();
-    progress.ticks = {history.data(), history_size};
+    progress.ticks = {hand.history.data(), hand.history_size};
     in_monitor = true;
     const bool goes_on = monitor(progress);
     in_monitor = false;
@@ -177,15 +215,15 @@ Error Session::Parts::run(double duration_s, const Monitor& monitor) {
       progress.elapsed_s = elapsed_s;
       return show();
     };
-  auto summary = session::run_realtime(*session, hooks, stop);
+  auto summary = session::run_realtime(*sessions[0], hooks, stop);
   stop.store(false, std::memory_order_relaxed);
-  started = true;
+  hand.started = true;
   view_is_old = true;
   if (!summary.ok()) return {Kind::kMachine, summary.message()};
-  ended = std::move(summary).value();
+  hand.ended = std::move(summary).value();
   if (monitor) {
-    progress.overruns = ended->timing.overruns;
-    progress.elapsed_s = ended->wall_s;
+    progress.overruns = hand.ended->timing.overruns;
+    progress.elapsed_s = hand.ended->wall_s;
     (void)show();
   } else {
     (void)take_ticks();
@@ -194,16 +232,18 @@ Error Session::Parts::run(double duration_s, const Monitor& monitor) {
 }
 
 void Session::Parts::look() {
-  if (session == nullptr) return;
+  if (!hands) return;
   if (in_monitor) {
     (void)hand_over->look(view);
     return;
   }
   if (!view_is_old) return;
   view_is_old = false;
-  view.look(*session);
+  view.look(sessions);
 }
 
-session::RunSummary Session::Parts::summary() const { return ended ? *ended : session->summary(); }
+session::RunSummary Session::Parts::summary(unsigned hand) const {
+  return each[hand].ended ? *each[hand].ended : sessions[hand]->summary();
+}
 
 }  // namespace tactus

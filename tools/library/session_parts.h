@@ -1,11 +1,14 @@
 // Private data of a public Session: the parts of the run and the data of its views.
 //
-// Thread: the session's owner; any thread may write `requests` and `stop`; in real time the haptic thread writes the
-// ring and the global world's thread the hand-over. Bound: everything is allocated when a session is opened.
+// Thread: the session's owner; any thread may write `requests` and `stop`; in real time, which is for one hand, the
+// haptic thread writes the ring and the global world's thread the hand-over. Bound: everything is allocated when a
+// session is opened.
 #pragma once
 
 #include <atomic>
+#include <deque>
 #include <optional>
+#include <vector>
 
 #include "rt/base/ring.h"
 #include "tactus/session.h"
@@ -16,25 +19,35 @@
 namespace tactus {
 
 struct Session::Parts {
+  explicit Parts(unsigned count) : each(count) {}
+
+  // Of one hand.
+  struct Hand {
+    library::OwnDevice* own{nullptr};          // held by the hand's session; null: not a device of the caller's
+    std::optional<session::RunSummary> ended;  // summary of an ended run, with the result of closing its tape
+    bool started{false};                       // the device was started
+    std::atomic<std::uint32_t> requests{0};
+    Tick last;
+    std::vector<Tick> history;    // size: history_ticks
+    std::size_t history_size{0};  // used elements, from the front
+    // After so many ticks were written in turn: the newest that fit, in order.
+    void keep(std::uint64_t written);
+  };
+
   std::uint64_t opening{0};  // number of the open() in this program: whose a saved state is
   Scene scene;
   Options options;
-  session::RunOptions run_options;
-  Device* device{nullptr};  // the caller's; null: none
+  std::vector<session::RunOptions> run_options;  // by hand
+  std::vector<Device*> devices;                  // the caller's, by hand; null: none. Empty: none at all
 
-  std::unique_ptr<session::Session> session;
-  library::OwnDevice* own{nullptr};                // held by `session`
+  std::optional<session::Hands> hands;
+  std::vector<session::Session*> sessions;         // of `hands`
+  std::deque<Hand> each;                           // by hand
   std::optional<session::VirtualRun> virtual_run;  // none in real time
-  std::optional<session::RunSummary> ended;        // summary of an ended run, with the result of closing its tape
-  bool started{false};                             // the device was started
   bool closed{false};
   bool in_monitor{false};
-  std::atomic<std::uint32_t> requests{0};
   std::atomic<bool> stop{false};
 
-  Tick last;
-  std::vector<Tick> history;    // size: history_ticks
-  std::size_t history_size{0};  // used elements, from the front
   library::StateView view;
   bool view_is_old{true};
 
@@ -44,18 +57,21 @@ struct Session::Parts {
 
   // Builds everything from the scene and the options. Errors name options as on the command line.
   Error build();
-  Error start_device();
-  void end();  // stops the device and closes the tape
+  Error start_devices();
+  void end();  // stops the devices and closes the tapes
+  bool ended() const noexcept { return each.front().ended.has_value(); }
 
   void step(std::uint64_t ticks);
   Error run(double duration_s, const Monitor& monitor);
   void look();
-  session::RunSummary summary() const;
+  session::RunSummary summary(unsigned hand) const;
 
  private:
-  Error build_device(session::Hardware& hardware);
+  Error check() const;
+  Error build_device(unsigned hand, session::Hardware& hardware);
   void make_real_time();
   std::uint64_t take_ticks();
+  std::vector<std::uint32_t> asked_;  // OperatorBits of the tick, by hand
 };
 
 }  // namespace tactus

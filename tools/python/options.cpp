@@ -26,6 +26,18 @@ void set(Options& options, const py::handle& value) {
   options.*kMember = py::cast<T>(value);
 }
 
+// A text, or one for each hand.
+void set_inject(Options& options, const py::handle& value) {
+  if (py::isinstance<py::str>(value)) {
+    options.inject = py::cast<std::string>(value);
+    return;
+  }
+  auto injects = py::cast<std::vector<std::string>>(value);
+  if (injects.empty()) return;
+  options.inject = std::move(injects.front());
+  options.more_injects.assign(std::make_move_iterator(injects.begin() + 1), std::make_move_iterator(injects.end()));
+}
+
 // What a session in virtual time has a use for.
 constexpr Entry kEntries[] = {
     {"coupling", "text", &set<&Options::coupling>},
@@ -43,7 +55,7 @@ constexpr Entry kEntries[] = {
     {"world_cpus", "a list of whole numbers", &set<&Options::world_cpus>},
     {"arm_at_start", "True or False", &set<&Options::arm_at_start>},
     {"rearm", "True or False", &set<&Options::rearm>},
-    {"inject", "text", &set<&Options::inject>},
+    {"inject", "text, or a list with one for each hand", &set_inject},
     {"seed", "a whole number", &set<&Options::seed>},
     {"history_ticks", "a whole number", &set<&Options::history_ticks>},
 };

@@ -82,26 +82,66 @@ Run::Call::Call(const Run& run, const char* name) : run_(run) {
                                   name));
 }
 
-Run::Run(const Scene& scene, const py::object& hand, const Options& options) {
-  if (hand.is_none()) {
-    raise_if(session_.open(scene, options));
-    return;
+namespace {
+
+constexpr const char* kAcceptedHands =
+    "a list with a function, \"targets\" or None for each hand, or None: the scene's own";
+
+bool is_list(const py::handle& value) { return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value); }
+
+// Who leads each hand.
+std::vector<py::object> leaders_of(const py::object& hand, unsigned hands) {
+  if (!is_list(hand)) {
+    if (hands > 1 && !hand.is_none())
+      raise(Kind::kOption,
+            fmt::format("Session: hand: {} for {} hands; accepted: {}", shown(hand), hands, kAcceptedHands));
+    return std::vector<py::object>(hands, hand);
   }
-  const bool targets = py::isinstance<py::str>(hand) && py::cast<std::string>(hand) == "targets";
-  if (!targets && PyCallable_Check(hand.ptr()) == 0)
-    raise(Kind::kOption, fmt::format("Session: hand: {} is no hand; accepted: a function hand(tick, tool_pose, force), "
-                                     "\"targets\", or None: the scene's own",
-                                     shown(hand)));
-  if (!options.inject.empty())
-    raise(Kind::kOption, "Session: inject: the hand is Python's, on an arm without a link; accepted: the scene's own");
-  if (!targets) function_ = hand;
-  const sim::Scene& inner = library::Access::scene(scene);
-  const auto profile = session::find_description(inner.device.profile, {});
-  if (!profile.ok()) raise(Kind::kFile, profile.message());
-  const auto ask = [this](const HandAsked& asked, HandPose& target) { return this->ask(asked, target); };
+  const auto given = py::reinterpret_borrow<py::sequence>(hand);
+  if (given.size() != hands)
+    raise(Kind::kOption,
+          fmt::format("Session: hand: {} for {} hands; accepted: {}", given.size(), hands, kAcceptedHands));
+  std::vector<py::object> leaders;
+  for (const auto& leader : given) leaders.push_back(py::reinterpret_borrow<py::object>(leader));
+  return leaders;
+}
+
+const std::string& inject_of(const Options& options, unsigned hand) {
+  static const std::string none;
+  if (hand == 0) return options.inject;
+  return hand <= options.more_injects.size() ? options.more_injects[hand - 1] : none;
+}
+
+}  // namespace
+
+Run::Run(const Scene& scene, const py::object& hand, const Options& options) : hands_(std::max(1u, scene.hands())) {
   if (!(options.rate_Hz > 0)) raise_if(session_.open(scene, options));  // the library says what is accepted
-  hand_ = std::make_unique<HandDevice>(inner, profile.value(), 1.0 / options.rate_Hz, ask);
-  raise_if(session_.open(scene, options, *hand_));
+  const auto leaders = leaders_of(hand, static_cast<unsigned>(hands_.size()));
+  std::vector<Device*> devices;
+  for (unsigned i = 0; i < leaders.size(); ++i) {
+    if (!leaders[i].is_none()) lead(i, leaders[i], library::Access::scene(scene), options);
+    devices.push_back(hands_[i].device.get());
+  }
+  raise_if(session_.open(scene, options, devices));
+}
+
+void Run::lead(unsigned hand, const py::handle& leader, const sim::Scene& scene, const Options& options) {
+  const std::string where = hands_.size() == 1 ? "Session: hand" : fmt::format("Session: hand[{}]", hand);
+  const bool targets = py::isinstance<py::str>(leader) && py::cast<std::string>(leader) == "targets";
+  if (!targets && PyCallable_Check(leader.ptr()) == 0)
+    raise(Kind::kOption, fmt::format("{}: {} is no hand; accepted: a function hand(tick, tool_pose, force), "
+                                     "\"targets\", or None: the scene's own",
+                                     where, shown(leader)));
+  if (!inject_of(options, hand).empty())
+    raise(Kind::kOption,
+          fmt::format("{}: is Python's, on an arm without a link, beside inject; accepted: the scene's own", where));
+  Hand& led = hands_[hand];
+  if (!targets) led.function = py::reinterpret_borrow<py::object>(leader);
+  const sim::Scene of_hand = sim::scene_of_hand(scene, hand);
+  const auto profile = session::find_description(of_hand.device.profile, {});
+  if (!profile.ok()) raise(Kind::kFile, profile.message());
+  const auto ask = [this, &led](const HandAsked& asked, HandPose& target) { return this->ask(led, asked, target); };
+  led.device = std::make_unique<HandDevice>(of_hand, profile.value(), 1.0 / options.rate_Hz, ask);
 }
 
 void Run::step(std::uint64_t ticks) {
@@ -112,7 +152,7 @@ void Run::step(std::uint64_t ticks) {
     {
       py::gil_scoped_release others;
       error = session_.step(count);
-      keep_ticks();
+      for (unsigned hand = 0; hand < hands_.size(); ++hand) keep_ticks(hand);
       if (shown_) (void)session_.bodies();
     }
     if (error_of_hand_) end_with_error_of_hand();
@@ -122,32 +162,61 @@ void Run::step(std::uint64_t ticks) {
   }
 }
 
-void Run::step(const Targets& targets) {
-  if (hand_ == nullptr)
-    raise(Kind::kUse,
-          "Session.step: the hand is the scene's own; accepted: a number of ticks, or a session with "
-          "hand=\"targets\"");
-  block_ = &targets;
-  next_row_ = 0;
+void Run::step(const py::handle& targets) {
   struct Leave {
-    const Targets*& block;
-    ~Leave() { block = nullptr; }
-  } leave{block_};
-  // The arm moves between two ticks, so the very first tick has no target: its row is left out.
-  if (session_.ticks_done() == 0) next_row_ = 1;
-  step(targets.rows.size());
+    std::vector<Hand>& hands;
+    ~Leave() {
+      for (Hand& hand : hands) hand.block.reset();
+    }
+  } leave{hands_};
+  step(take_targets(targets));
 }
 
-bool Run::ask(const HandAsked& asked, HandPose& target) noexcept {
-  if (block_ != nullptr) {
-    if (next_row_ >= block_->rows.size()) return false;
-    target = block_->rows[next_row_++];
+// Returns the number of rows.
+std::uint64_t Run::take_targets(const py::handle& targets) {
+  std::vector<py::object> of_hands{py::reinterpret_borrow<py::object>(targets)};
+  if (hands_.size() > 1) {
+    if (PySequence_Check(targets.ptr()) == 0 || py::isinstance<py::str>(targets) || py::len(targets) != hands_.size())
+      raise(Kind::kOption,
+            fmt::format("Session.step: targets for {} hands; accepted: a list with an array (ticks, 3) or "
+                        "(ticks, 7), or None, for each",
+                        hands_.size()));
+    of_hands.clear();
+    for (const auto& one : py::reinterpret_borrow<py::sequence>(targets))
+      of_hands.push_back(py::reinterpret_borrow<py::object>(one));
+  }
+  std::optional<std::size_t> rows;
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    if (hands_.size() > 1 && of_hands[i].is_none()) continue;
+    if (hands_[i].device == nullptr)
+      raise(Kind::kUse,
+            "Session.step: the hand is the scene's own; accepted: a number of ticks, or a session with "
+            "hand=\"targets\"");
+    Targets own = Targets::from(of_hands[i]);
+    if (rows && *rows != own.rows.size())
+      raise(Kind::kOption,
+            fmt::format("Session.step: {} targets for one hand and {} for another; accepted: as many for "
+                        "each",
+                        *rows, own.rows.size()));
+    rows = own.rows.size();
+    hands_[i].block = std::move(own);
+    // The arm moves between two ticks, so the very first tick has no target: its row is left out.
+    hands_[i].next_row = session_.ticks_done() == 0 ? 1 : 0;
+  }
+  if (!rows) raise(Kind::kOption, "Session.step: targets of no hand; accepted: an array for one hand at least");
+  return *rows;
+}
+
+bool Run::ask(Hand& hand, const HandAsked& asked, HandPose& target) noexcept {
+  if (hand.block) {
+    if (hand.next_row >= hand.block->rows.size()) return false;
+    target = hand.block->rows[hand.next_row++];
     return true;
   }
-  if (!function_ || error_of_hand_) return false;
+  if (!hand.function || error_of_hand_) return false;
   try {
     py::gil_scoped_acquire gil;
-    return ask_function(asked, target);
+    return ask_function(hand, asked, target);
   } catch (...) {
     error_of_hand_ = std::current_exception();
     session_.stop();
@@ -155,8 +224,8 @@ bool Run::ask(const HandAsked& asked, HandPose& target) noexcept {
   }
 }
 
-bool Run::ask_function(const HandAsked& asked, HandPose& target) {
-  const py::object wanted = function_(asked.tick, array_of(asked.tool), array_of(asked.force_N, asked.torque_Nm));
+bool Run::ask_function(const Hand& hand, const HandAsked& asked, HandPose& target) {
+  const py::object wanted = hand.function(asked.tick, array_of(asked.tool), array_of(asked.force_N, asked.torque_Nm));
   if (wanted.is_none()) return false;
   const Numbers numbers = numbers_of(wanted);
   if (numbers.ndim() != 1 || (numbers.size() != 3 && numbers.size() != 7))
@@ -172,40 +241,50 @@ void Run::end_with_error_of_hand() {
   std::rethrow_exception(error);
 }
 
-void Run::keep_ticks() {
-  const auto ticks = session_.ticks();
+void Run::keep_ticks(unsigned hand) {
+  const auto ticks = session_.ticks(hand);
   const std::size_t room = session_.options().history_ticks;
-  unseen_.insert(unseen_.end(), ticks.begin(), ticks.end());
-  if (unseen_.size() <= room) return;
-  const std::size_t over = unseen_.size() - room;
-  lost_ += over;
-  unseen_.erase(unseen_.begin(), unseen_.begin() + static_cast<std::ptrdiff_t>(over));
+  std::vector<Tick>& unseen = hands_[hand].unseen;
+  unseen.insert(unseen.end(), ticks.begin(), ticks.end());
+  if (unseen.size() <= room) return;
+  const std::size_t over = unseen.size() - room;
+  hands_[hand].lost += over;
+  unseen.erase(unseen.begin(), unseen.begin() + static_cast<std::ptrdiff_t>(over));
 }
 
-std::vector<Tick> Run::look() {
-  lost_of_look_ = std::exchange(lost_, 0);
-  return std::exchange(unseen_, {});
+std::vector<Tick> Run::look(unsigned hand) {
+  hands_[hand].lost_of_look = std::exchange(hands_[hand].lost, 0);
+  return std::exchange(hands_[hand].unseen, {});
+}
+
+void Run::forget_ticks() {
+  for (Hand& hand : hands_) {
+    hand.unseen.clear();
+    hand.lost = 0;
+  }
 }
 
 void Run::reset() {
   raise_if(session_.reset());
-  unseen_.clear();
-  lost_ = 0;
+  forget_ticks();
   if (shown_) (void)session_.bodies();
 }
 
 Saved Run::save() const {
   Saved saved;
   raise_if(session_.save(saved.session));
-  if (hand_ != nullptr) saved.hand = hand_->state();
+  for (const Hand& hand : hands_) {
+    auto& kept = saved.hands.emplace_back();
+    if (hand.device != nullptr) kept = hand.device->state();
+  }
   return saved;
 }
 
 void Run::restore(const Saved& saved) {
   raise_if(session_.restore(saved.session));
-  if (saved.hand) hand_->set_state(*saved.hand);
-  unseen_.clear();
-  lost_ = 0;
+  for (std::size_t i = 0; i < hands_.size(); ++i)
+    if (saved.hands[i]) hands_[i].device->set_state(*saved.hands[i]);
+  forget_ticks();
   if (shown_) (void)session_.bodies();
 }
 
@@ -219,15 +298,17 @@ void Run::leave_views() {
     old.velocity_m_per_s.fill(kNan);
     old.angular_velocity_rad_per_s.fill(kNan);
   }
-  for (const Role& role : session_.roles()) const_cast<Role&>(role) = static_cast<Role>(255);
-  for (const BodyNumber& member : session_.members()) const_cast<BodyNumber&>(member) = 0xffffffffu;
-  for (const Contact& contact : session_.contacts()) {
-    auto& old = const_cast<Contact&>(contact);
-    old = {0xffffffffu, 0xffffffffu, {kNan, kNan, kNan}, {kNan, kNan, kNan}, kNan, {kNan, kNan, kNan}, kNan};
-  }
-  for (const BorderContact& contact : session_.border_contacts()) {
-    auto& old = const_cast<BorderContact&>(contact);
-    old = {0xffffffffu, 0xffffffffu, {kNan, kNan, kNan}, {kNan, kNan, kNan}, kNan, {kNan, kNan, kNan}};
+  for (unsigned hand = 0; hand < hands_.size(); ++hand) {
+    for (const Role& role : session_.roles(hand)) const_cast<Role&>(role) = static_cast<Role>(255);
+    for (const BodyNumber& member : session_.members(hand)) const_cast<BodyNumber&>(member) = 0xffffffffu;
+    for (const Contact& contact : session_.contacts(hand)) {
+      auto& old = const_cast<Contact&>(contact);
+      old = {0xffffffffu, 0xffffffffu, {kNan, kNan, kNan}, {kNan, kNan, kNan}, kNan, {kNan, kNan, kNan}, kNan};
+    }
+    for (const BorderContact& contact : session_.border_contacts(hand)) {
+      auto& old = const_cast<BorderContact&>(contact);
+      old = {0xffffffffu, 0xffffffffu, {kNan, kNan, kNan}, {kNan, kNan, kNan}, kNan, {kNan, kNan, kNan}};
+    }
   }
 }
 

@@ -1,4 +1,4 @@
-// A session in virtual time as Python drives it: the library's Session, the hand that Python leads, and the ticks that
+// A session in virtual time as Python drives it: the library's Session, the hands that Python leads, and the ticks that
 // look() has not returned yet. A view of its memory shares it, so that the memory lives as long as the view.
 //
 // Thread: one call at a time, see Run::Call; step() computes without the GIL, and takes it for a hand that is a
@@ -11,13 +11,14 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "tactus/session.h"
 #include "tools/python/hand_device.h"
 
 namespace tactus::python {
 
-// Targets of the hand for a block of ticks, a row each: position, or position and rotation.
+// Targets of a hand for a block of ticks, a row each: position, or position and rotation.
 struct Targets {
   std::vector<HandPose> rows;
   // Raises OptionError: another shape, or a number that is not finite. Rotations are normalised.
@@ -27,12 +28,13 @@ struct Targets {
 // What Run::save gives to Python.
 struct Saved {
   SavedState session;
-  std::optional<HandDevice::State> hand;
+  std::vector<std::optional<HandDevice::State>> hands;
 };
 
 class Run {
  public:
-  // `hand`: None, the scene's own script; a callable; "targets". Raises.
+  // `hand`: None, the scene's own script; a callable; "targets"; or a list or tuple of these, one for each hand of the
+  // scene. Raises.
   Run(const Scene& scene, const pybind11::object& hand, const Options& options);
 
   // While it lives no other thread, and no hand, can call the run: they get a UseError.
@@ -48,14 +50,16 @@ class Run {
   };
 
   void step(std::uint64_t ticks);
-  void step(const Targets& targets);
+  // One tick for each row. `targets`: (ticks, 3) or (ticks, 7) numbers; with several hands a sequence of these, one for
+  // each hand, or None: it is led as without targets. Raises.
+  void step(const pybind11::handle& targets);
   void reset();
   Saved save() const;
   void restore(const Saved& saved);
 
-  // The ticks since the last look.
-  std::vector<Tick> look();
-  std::uint64_t ticks_lost() const noexcept { return lost_of_look_; }
+  // Of one hand, which must be there: the ticks since the last look.
+  std::vector<Tick> look(unsigned hand);
+  std::uint64_t ticks_lost(unsigned hand) const noexcept { return hands_[hand].lost_of_look; }
   // Its views show NaN from now on, roles 255 and members 4294967295: the scene was replaced.
   void leave_views();
 
@@ -65,19 +69,26 @@ class Run {
   void show_bodies() noexcept { shown_ = true; }
 
  private:
-  bool ask(const HandAsked& asked, HandPose& target) noexcept;
-  bool ask_function(const HandAsked& asked, HandPose& target);
-  void keep_ticks();
-  void end_with_error_of_hand();
+  struct Hand {
+    std::unique_ptr<HandDevice> device;  // null: the scene's own script leads it
+    pybind11::object function;
+    std::optional<Targets> block;  // of the step that is under way
+    std::size_t next_row{0};
+    std::vector<Tick> unseen;
+    std::uint64_t lost{0}, lost_of_look{0};
+  };
 
-  std::unique_ptr<HandDevice> hand_;  // outlives the session
+  void lead(unsigned hand, const pybind11::handle& leader, const sim::Scene& scene, const Options& options);
+  bool ask(Hand& hand, const HandAsked& asked, HandPose& target) noexcept;
+  bool ask_function(const Hand& hand, const HandAsked& asked, HandPose& target);
+  std::uint64_t take_targets(const pybind11::handle& targets);
+  void keep_ticks(unsigned hand);
+  void end_with_error_of_hand();
+  void forget_ticks();
+
+  std::vector<Hand> hands_;  // they outlive the session
   Session session_;
-  pybind11::object function_;
-  const Targets* block_{nullptr};
-  std::size_t next_row_{0};
   std::exception_ptr error_of_hand_;
-  std::vector<Tick> unseen_;
-  std::uint64_t lost_{0}, lost_of_look_{0};
   bool shown_{false};
   mutable std::atomic<bool> busy_{false};
 };

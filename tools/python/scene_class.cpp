@@ -84,6 +84,12 @@ py::list parts(const Scene& scene, std::int64_t index) {
   return list;
 }
 
+std::vector<BodyNumber> proxies(const Scene& scene) {
+  std::vector<BodyNumber> proxies;
+  for (unsigned hand = 0; hand < scene.hands(); ++hand) proxies.push_back(scene.proxy(hand));
+  return proxies;
+}
+
 Scene load(const std::filesystem::path& file) {
   Scene scene;
   raise_if(scene.load(file));
@@ -107,8 +113,9 @@ void add_scene(py::module_& module) {
       .def_property_readonly("text", &Scene::text)
       .def_property_readonly("warnings", &Scene::warnings)
       .def_property_readonly("bodies", &Scene::bodies)
-      .def_property_readonly("proxy", &Scene::proxy)
-      .def_property_readonly("hand_duration_s", &Scene::hand_duration_s)
+      .def_property_readonly("proxy", [](const Scene& scene) { return scene.proxy(); })
+      .def_property_readonly("proxies", &proxies)
+      .def_property_readonly("hand_duration_s", [](const Scene& scene) { return scene.hand_duration_s(); })
       .def("body", &body, py::arg("number"))
       .def("parts", &parts, py::arg("number"))
       .def(

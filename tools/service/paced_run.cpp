@@ -156,7 +156,7 @@ class AllHands {
  private:
   session::Hands& hands_;
   const PacedHandsHooks& hooks_;
-  session::VirtualHandsRun run_;
+  session::VirtualRun run_;
   std::vector<std::uint32_t> asked_;
   std::vector<session::LiveStatus> live_;
   std::vector<const session::LiveStatus*> shown_;

@@ -15,16 +15,15 @@ Result<Hands> Hands::create(const sim::Scene& scene, std::vector<RunOptions> opt
     return Status::error(fmt::format("{}: {} devices for {} hands ([[proxy]]); accepted: as many devices as hands",
                                      scene.name, options.size(), scene.hands()));
   Hands result;
-  std::vector<Session*> sessions;
   for (unsigned hand = 0; hand < scene.hands(); ++hand) {
     options[hand].hand = hand;
     auto session =
         Session::create_hand(sim::scene_of_hand(scene, hand), std::move(options[hand]), std::move(hardware[hand]));
+    if (!session.ok() && scene.hands() == 1) return session.status();
     if (!session.ok()) return Status::error(fmt::format("hand {}: {}", hand + 1, session.message()));
-    sessions.push_back(session.value().get());
     result.hands_.push_back(std::move(session).value());
   }
-  if (const Status status = Session::share_world(sessions); !status.ok()) return status;
+  if (const Status status = Session::share_world(result.sessions()); !status.ok()) return status;
   return result;
 }
 
@@ -33,10 +32,10 @@ Hands::~Hands() {
   while (!hands_.empty()) hands_.pop_back();
 }
 
-std::vector<haptics::Exchange*> Hands::exchanges() {
-  std::vector<haptics::Exchange*> exchanges;
-  for (const auto& hand : hands_) exchanges.push_back(hand->exchange.get());
-  return exchanges;
+std::vector<Session*> Hands::sessions() {
+  std::vector<Session*> sessions;
+  for (const auto& hand : hands_) sessions.push_back(hand.get());
+  return sessions;
 }
 
 Status Hands::record(const std::filesystem::path& tape) {

@@ -20,7 +20,8 @@ std::filesystem::path file_of_hand(const std::filesystem::path& path, unsigned h
 class Hands {
  public:
   // `options`, `hardware`: one for each hand of the scene; the options of the world are those of the first. Error, one
-  // line: as Session::create, with the hand before it, or a number of them that is not the scene's.
+  // line: as Session::create, with the hand before it if there are several, or a number of them that is not the
+  // scene's.
   static Result<Hands> create(const sim::Scene& scene, std::vector<RunOptions> options, std::vector<Hardware> hardware);
   Hands(Hands&&) = default;
   Hands& operator=(Hands&&) = default;
@@ -30,7 +31,7 @@ class Hands {
   Session& operator[](unsigned hand) noexcept { return *hands_[hand]; }
   const Session& operator[](unsigned hand) const noexcept { return *hands_[hand]; }
   sim::GlobalWorld& world() noexcept { return *hands_.front()->global; }
-  std::vector<haptics::Exchange*> exchanges();
+  std::vector<Session*> sessions();
 
   // As Session::record, with a tape for each hand; empty: history only.
   Status record(const std::filesystem::path& tape);

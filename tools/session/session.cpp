@@ -373,12 +373,12 @@ std::uint32_t Session::share_reset(std::uint32_t bits) noexcept {
   if (resets_of_all == nullptr) return 0;
   constexpr auto relaxed = std::memory_order_relaxed;
   if ((bits & loop::kReset) != 0) {
-    resets_seen_ = resets_of_all->fetch_add(1, relaxed) + 1;
+    progress_.resets_seen = resets_of_all->fetch_add(1, relaxed) + 1;
     return 0;
   }
   const std::uint32_t asked = resets_of_all->load(relaxed);
-  if (asked == resets_seen_) return 0;
-  resets_seen_ = asked;
+  if (asked == progress_.resets_seen) return 0;
+  progress_.resets_seen = asked;
   return loop::kReset;
 }
 

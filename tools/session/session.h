@@ -118,6 +118,7 @@ class Session {
     std::size_t next_reset{0};
     std::uint32_t latched_ticks{0};
     std::uint32_t cycle_ticks{0};
+    std::uint32_t resets_seen{0};  // of resets_of_all
   };
   const Progress& progress() const noexcept { return progress_; }
   void set_progress(const Progress& progress) noexcept { progress_ = progress; }
@@ -130,7 +131,6 @@ class Session {
   void start_hand(const loop::TickOutput& out) noexcept;
 
   hal::SimulatedDevice* hand_{nullptr};  // the simulated device, whose hand restarts at a reset; null on a real device
-  std::uint32_t resets_seen_{0};         // of resets_of_all
   std::uint64_t arm_tick_{0};            // of a run that is armed at its start
   Progress progress_;
 };

@@ -48,8 +48,16 @@ void VirtualWorld::continue_at(const Clock& clock, std::uint64_t next_report) no
   server_.continue_at(next_report);
 }
 
-VirtualRun::VirtualRun(Session& session) : session_(session) {
-  if (session.global != nullptr) world_.emplace(session, std::vector{session.exchange.get()});
+VirtualRun::VirtualRun(Session& session) : VirtualRun(std::vector{&session}) {}
+
+VirtualRun::VirtualRun(Hands& hands) : VirtualRun(hands.sessions()) {}
+
+VirtualRun::VirtualRun(std::vector<Session*> hands) : hands_(std::move(hands)) {
+  Session& first = *hands_.front();
+  if (first.global == nullptr) return;
+  std::vector<haptics::Exchange*> exchanges;
+  for (const Session* hand : hands_) exchanges.push_back(hand->exchange.get());
+  world_.emplace(first, std::move(exchanges));
 }
 
 Status VirtualRun::check(const Session& session) {
@@ -68,18 +76,16 @@ void tick_of(Session& session, std::uint64_t tick, std::uint32_t asked) {
 
 }  // namespace
 
-const loop::TickOutput& VirtualRun::tick(std::uint32_t asked) {
+void VirtualRun::tick(std::span<const std::uint32_t> asked) {
   if (world_) world_->serve(tick_);
-  tick_of(session_, tick_, asked);
+  for (std::size_t hand = 0; hand < hands_.size(); ++hand)
+    tick_of(*hands_[hand], tick_, hand < asked.size() ? asked[hand] : 0);
   ++tick_;
-  return session_.driver->output();
 }
 
-void VirtualHandsRun::tick(std::span<const std::uint32_t> asked) {
-  world_.serve(tick_);
-  for (unsigned hand = 0; hand < hands_.count(); ++hand)
-    tick_of(hands_[hand], tick_, hand < asked.size() ? asked[hand] : 0);
-  ++tick_;
+const loop::TickOutput& VirtualRun::tick(std::uint32_t asked) {
+  tick({&asked, 1});
+  return hands_.front()->driver->output();
 }
 
 Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const TickObserver& observer) {
@@ -98,7 +104,7 @@ Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const Tick
 Result<std::vector<RunSummary>> run_virtual(Hands& hands, std::uint64_t ticks, const HandsObserver& observer) {
   set_denormals_flush();
   if (Status status = VirtualRun::check(hands[0]); !status.ok()) return status;
-  VirtualHandsRun run(hands);
+  VirtualRun run(hands);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     run.tick();
     if (observer && !observer(hands)) break;

@@ -33,7 +33,7 @@ class VirtualWorld {
   };
   const Clock& clock() const noexcept { return clock_; }
   std::uint64_t next_report() const noexcept { return server_.next_report(); }
-  // [setup] With one hand.
+  // [setup] `next_report`: the same of all hands, because on the virtual clock none is left out.
   void continue_at(const Clock& clock, std::uint64_t next_report) noexcept;
 
  private:
@@ -45,17 +45,21 @@ class VirtualWorld {
   Clock clock_;
 };
 
-// Runs a session tick by tick. The calling thread must flush denormals (rt/base/denormals.h). The session must outlive
-// it.
+// Runs one hand or several tick by tick; in each tick one hand after the other, in their order. The calling thread must
+// flush denormals (rt/base/denormals.h). The sessions must outlive it.
 class VirtualRun {
  public:
   // Publishes the first snapshot, G(0). Only once per session, because it starts the worlds.
   explicit VirtualRun(Session& session);
+  explicit VirtualRun(Hands& hands);
 
   // [setup] Checks that the threads which share the global world's steps exist.
   static Status check(const Session& session);
 
-  // One tick; `asked`: OperatorBits in addition to the session's own. Allocates only for a reset and for a tape.
+  // One tick; `asked`: OperatorBits by hand in addition to the session's own; shorter: none. Allocates only for a reset
+  // and for a tape.
+  void tick(std::span<const std::uint32_t> asked);
+  // The same with the bits of the first hand, whose output it returns.
   const loop::TickOutput& tick(std::uint32_t asked = 0);
 
   // [setup] Everything that the following ticks depend on, a device of the caller's own apart: for restore() of the
@@ -65,29 +69,16 @@ class VirtualRun {
   void restore(const Saved& saved);
 
  private:
-  Session& session_;
+  explicit VirtualRun(std::vector<Session*> hands);
+
+  std::vector<Session*> hands_;
   std::optional<VirtualWorld> world_;  // none with the direct coupling
   std::uint64_t tick_{0};
 };
 
 // Error: of the threads that share the global world's steps. `observer` may be empty.
 Result<RunSummary> run_virtual(Session& session, std::uint64_t ticks, const TickObserver& observer = {});
-
-// Runs several hands tick by tick, in each tick one after the other, in their order; else as VirtualRun.
-class VirtualHandsRun {
- public:
-  explicit VirtualHandsRun(Hands& hands) : hands_(hands), world_(hands[0], hands.exchanges()) {}
-
-  // `asked`: OperatorBits by hand; shorter: none.
-  void tick(std::span<const std::uint32_t> asked = {});
-
- private:
-  Hands& hands_;
-  VirtualWorld world_;
-  std::uint64_t tick_{0};
-};
-
-// The same for several hands.
+// The same for several hands: a summary for each.
 using HandsObserver = std::function<bool(const Hands& hands)>;
 Result<std::vector<RunSummary>> run_virtual(Hands& hands, std::uint64_t ticks, const HandsObserver& observer = {});
 

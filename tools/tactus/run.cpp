@@ -5,7 +5,6 @@
 
 #include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +13,6 @@
 #include "tactus/tactus.h"
 #include "tools/doctor/system_view.h"
 #include "tools/experiment/shared_files.h"
-#include "tools/export/figures.h"
 #include "tools/json_report.h"
 #include "tools/library/access.h"
 #include "tools/service/paced_run.h"
@@ -22,6 +20,7 @@
 #include "tools/session/realtime_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/keyboard.h"
+#include "tools/tactus/run_figures.h"
 #include "tools/tactus/run_hands.h"
 #include "tools/tactus/shown_run.h"
 #include "tools/tactus/status_line.h"
@@ -84,6 +83,10 @@ Error complete_options(RunCommand& command) {
   if (command.virtual_time && command.duration_s == 0 && !attended) command.duration_s = kDefaultVirtual_s;
   if (!command.virtual_time && !command.figures.empty())
     return wrong("--figures: is of virtual time; accepted: with --virtual-time, or `tactus export` of a tape");
+  if (attended && !command.figures.empty())
+    return wrong(
+        "--figures: is of a run that nobody watches; accepted: without --control and --view, or `tactus export` of a "
+        "tape");
   return library::Access::check(o, attended && command.duration_s == 0 ? kDefaultVirtual_s : command.duration_s);
 }
 
@@ -166,22 +169,6 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   if (shown != nullptr && summary.ok()) shown->end(summary.value());
   if (terminal) fmt::print(stderr, "\r\033[K");
   return summary;
-}
-
-// The recorder's tick records, with or without a tape, are what the figures are of.
-Status take_figures(session::Session& inner, const RunCommand& command, std::unique_ptr<exporting::Figures>& figures) {
-  if (command.figures.empty()) return Status::good();
-  auto parsed = exporting::parse_figures(command.figures);
-  if (!parsed.ok()) return Status::error("--figures: " + parsed.message());
-  figures = std::make_unique<exporting::Figures>(std::move(parsed).value(), inner.options.period_s());
-  inner.shown.tap = {[](void* context, std::uint32_t kind, std::span<const std::byte> payload) noexcept {
-                       loop::TickRecord tick;
-                       if (kind != loop::kTickRecord || payload.size() != sizeof tick) return;
-                       std::memcpy(&tick, payload.data(), sizeof tick);
-                       static_cast<exporting::Figures*>(context)->take(tick);
-                     },
-                     figures.get()};
-  return command.record.empty() ? inner.record("") : Status::good();
 }
 
 Result<session::RunSummary> run_in_virtual_time(Session& session, const RunCommand& command) {
@@ -303,18 +290,11 @@ Result<session::RunSummary> run_as_asked(Session& session, const RunCommand& com
   return command.control.empty() ? run_in_virtual_time(session, command) : run_paced(session, command);
 }
 
-// The scene has several hands, or several devices were given: what has been asked for that is of one hand alone.
-std::string not_of_several(const RunCommand& command) {
-  const std::pair<bool, const char*> of_one[] = {{!command.budget.empty(), "--budget"},
-                                                 {!command.figures.empty(), "--figures"}};
-  for (const auto& [asked, option] : of_one)
-    if (asked) return fmt::format("{}: is of one hand; accepted: with a scene that has one, and one --device", option);
-  return {};
-}
-
+// The scene has several hands, or several devices were given.
 int run_several(RunCommand& command, const Scene& scene) {
-  if (const std::string wrong = not_of_several(command); !wrong.empty())
-    return complain("tactus run: " + wrong, kExitBadInput);
+  if (!command.budget.empty())
+    return complain("tactus run: --budget: certifies one haptic thread; accepted: with a scene that has one hand",
+                    kExitBadInput);
   std::unique_ptr<PrivateFolder> folder;  // of the viewers' sockets
   if (const int exit_code = prepare_view(command, folder); exit_code != kExitGood) return exit_code;
   // Without a duration: until stopped. The options of virtual time ask for one.
@@ -332,6 +312,7 @@ int run_several(RunCommand& command, const Scene& scene) {
                     .config = command.config,
                     .configuration = command.configuration,
                     .warnings = scene.warnings(),
+                    .figures = command.figures,
                     .pace = command.pace >= 0 ? command.pace
                             : command.view    ? 1
                                               : 0,
@@ -355,27 +336,29 @@ int run_scene(const CLI::App& app, RunCommand& command) {
   if (const int exit_code = prepare_view(command, folder); exit_code != kExitGood) return exit_code;
   if (const int exit_code = keep_budget(command, library::Access::scene(scene)); exit_code != kExitGood)
     return exit_code;
+  std::unique_ptr<exporting::Figures> figures;  // the session's recorder writes into them
   Session session;
   if (const Error error = library::Access::open(session, scene, command.options)) return complain_of(error);
   session::Session& inner = library::Access::session(session);
   const std::string lowered = lowered_text(inner.summary().gains);
   if (!lowered.empty()) fmt::print(stderr, "tactus run: {}: {}\n", lowered, lowered_why(inner.options, inner.ratio));
-  std::unique_ptr<exporting::Figures> figures;
-  if (const Status status = take_figures(inner, command, figures); !status.ok())
-    return complain("tactus run: " + status.message(), kExitBadInput);
+  auto taken = take_figures(inner, command.figures);
+  if (!taken.ok()) return complain("tactus run: " + taken.message(), kExitBadInput);
+  figures = std::move(taken).value();
+  if (figures != nullptr && command.record.empty())
+    if (const Status status = inner.record(""); !status.ok())
+      return complain("tactus run: " + status.message(), kExitMachineCannot);
   if (command.hand == "pointer") (void)inner.rest_hand();
   auto summary = run_as_asked(session, command);
   if (!summary.ok()) return complain("tactus run: " + summary.message(), kExitMachineCannot);
   if (command.json) {
     auto object = to_json(summary.value());
     object["scene_warnings"] = scene.warnings();
-    if (figures != nullptr)
-      for (const auto& [name, value] : figures->values()) object["figures"][name] = value;
+    add_figures(object, figures.get());
     fmt::print("{}\n", report_text(object, 2));
   } else {
     fmt::print("{}", to_text(summary.value()));
-    if (figures != nullptr)
-      for (const auto& [name, value] : figures->values()) fmt::print("  {:<20} {:g}\n", name, value);
+    print_figures(figures.get());
   }
   // A service stopped on request exits with success; its log contains the faults of the run.
   if (!command.config.empty() && g_stop.load(std::memory_order_relaxed)) return kExitGood;

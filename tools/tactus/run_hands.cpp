@@ -19,6 +19,7 @@
 #include "tools/session/virtual_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/keyboard.h"
+#include "tools/tactus/run_figures.h"
 #include "tools/tactus/shown_run.h"
 #include "tools/tactus/status_line.h"
 #include "tools/tactus/stop_signals.h"
@@ -202,17 +203,30 @@ Result<std::vector<session::RunSummary>> run(session::Hands& hands, const HandsC
   const double duration_s = options.duration_s == 0 && !watched ? kDefaultVirtual_s : options.duration_s;
   const auto ticks = static_cast<std::uint64_t>(std::llround(duration_s * options.rate_Hz));
   if (watched) return run_at_pace(hands, command, ticks, stop);
-  if (!command.record.empty())
+  if (!command.record.empty() || !command.figures.empty())
     if (const Status status = hands.record(command.record); !status.ok()) return status;
   return session::run_virtual(hands, ticks,
                               [&](const session::Hands&) { return !stop.load(std::memory_order_relaxed); });
 }
 
-nlohmann::json to_json(const std::vector<session::RunSummary>& summaries) {
+// By hand; null without --figures.
+using FiguresOfHands = std::vector<std::unique_ptr<exporting::Figures>>;
+
+Status take_figures_of(session::Hands& hands, const HandsCommand& command, FiguresOfHands& figures) {
+  for (session::Session* session : hands.sessions()) {
+    auto taken = take_figures(*session, command.figures);
+    if (!taken.ok()) return taken.status();
+    figures.push_back(std::move(taken).value());
+  }
+  return Status::good();
+}
+
+nlohmann::json to_json(const std::vector<session::RunSummary>& summaries, const FiguresOfHands& figures) {
   nlohmann::json hands = nlohmann::json::array();
   std::size_t worst = 0;
   for (std::size_t hand = 0; hand < summaries.size(); ++hand) {
     hands.push_back(session::to_json(summaries[hand]));
+    add_figures(hands.back(), figures[hand].get());
     if (session::judge(summaries[hand]).level() > session::judge(summaries[worst]).level()) worst = hand;
   }
   nlohmann::json object;
@@ -259,6 +273,7 @@ int run_hands(const HandsCommand& command, std::atomic<bool>& stop, void (*ask_t
   if (!options.ok()) return complain("tactus run: " + options.message(), kExitBadInput);
   auto hardware = open_devices(command.scene, options.value());
   if (!hardware.ok()) return complain("tactus run: " + hardware.message(), kExitMachineCannot);
+  FiguresOfHands figures;  // the hands' recorders write into them
   auto hands = session::Hands::create(command.scene, options.value(), std::move(hardware).value());
   if (!hands.ok()) return complain("tactus run: " + hands.message(), kExitBadInput);
   for (unsigned hand = 0; hand < hands.value().count(); ++hand) {
@@ -269,16 +284,21 @@ int run_hands(const HandsCommand& command, std::atomic<bool>& stop, void (*ask_t
   }
   for (unsigned hand = 0; hand < hands.value().count() && command.by_pointer; ++hand)
     (void)hands.value()[hand].rest_hand();
+  if (const Status status = take_figures_of(hands.value(), command, figures); !status.ok())
+    return complain("tactus run: " + status.message(), kExitBadInput);
   stop_on_signals(ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);  // the run continues if the reader of the status lines ends
   const auto summaries = run(hands.value(), command, stop);
   if (!summaries.ok()) return complain("tactus run: " + summaries.message(), kExitMachineCannot);
   if (command.json) {
-    auto object = to_json(summaries.value());
+    auto object = to_json(summaries.value(), figures);
     object["scene_warnings"] = command.warnings;
     fmt::print("{}\n", report_text(object, 2));
   } else {
-    for (const session::RunSummary& summary : summaries.value()) fmt::print("{}", session::to_text(summary));
+    for (std::size_t hand = 0; hand < figures.size(); ++hand) {
+      fmt::print("{}", session::to_text(summaries.value()[hand]));
+      print_figures(figures[hand].get());
+    }
   }
   // As of one hand: a service that was told to stop has done its work; its log has the faults.
   if (!command.config.empty() && stop.load(std::memory_order_relaxed)) return kExitGood;

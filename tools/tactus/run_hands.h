@@ -29,6 +29,7 @@ struct HandsCommand {
   std::filesystem::path config;           // empty: no service
   service::Configuration configuration;   // of the service
   std::vector<std::string> warnings;      // of the scene
+  std::vector<std::string> figures;       // COLUMN:HOW, of each hand; virtual time without watchers
   double pace{0};                         // of virtual time with control sockets; 0: as fast as it goes
   bool view{false};                       // a viewer for each control socket
   bool by_pointer{false};                 // the simulated hands rest until a page's mouse takes them

@@ -7,72 +7,36 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 
 #include "rt/base/check.h"
 #include "rt/base/hash.h"
-#include "tools/session/hands.h"
-#include "tools/session/virtual_run.h"
 #include "tools/validation/case_scene.h"
 #include "tools/validation/case_world.h"
 #include "tools/validation/cases.h"
+#include "tools/validation/two_hands.h"
 
 namespace tactus::hard_cases {
 namespace {
 
-constexpr double kHand = 400, kCoupling = 600;  // N/m: the default hand's, and of the scenes below
-constexpr double kDryFriction_N = 0.2;          // of the simulated device
 constexpr double kMaxForce_N = 30;
-constexpr sim::BodyIndex kPart{2};  // the body after the two proxies
-
-constexpr const char* kHead = R"(
-[simulation]
-ratio = 10
-members = 8
-[coupling]
-stiffness_N_per_m = 600
-damping_Ns_per_m = 5
-stiffness_Nm_per_rad = 4
-damping_Nms_per_rad = 0.02
-)";
-
-// Two proxies on both sides of x = 0, and where each hand's target goes along x, by way points of half a second.
-std::string hands_text(double start_m, double height_m, const std::array<std::vector<double>, 2>& paths_m) {
-  std::string text = kHead;
-  for (std::size_t hand = 0; hand < 2; ++hand) {
-    text += fmt::format(
-        "[[proxy]]\nshape = \"sphere\"\nradius_m = 0.01\nmass_kg = 0.2\nfriction = 0.3\n"
-        "position_m = [{0}, 0, {1}]\n[[device]]\nposition_m = [{0}, 0, {1}]\n[[hand]]\nrepeat = false\npath = [\n",
-        hand == 0 ? -start_m : start_m, height_m);
-    double time_s = 0;
-    for (const double x_m : paths_m[hand]) {
-      text += fmt::format("{{time_s = {}, position_m = [{}, 0, {}]}},\n", time_s, x_m, height_m);
-      time_s += 0.5;
-    }
-    text += "]\n";
-  }
-  return text;
-}
 
 // A run, looked at after every tick.
-class TwoHands {
+class LookedAt {
  public:
-  TwoHands(const std::string& text, const Setting& setting) : hands_(made(case_scene(text, setting, 1000))) {}
+  LookedAt(const std::string& text, const Setting& setting) : run_(made(case_scene(text, setting, 1000))) {}
 
-  void run(std::uint64_t ticks, const std::function<void(std::uint64_t tick)>& look) {
-    std::uint64_t tick = 0;
+  void run(std::uint64_t ticks, const TwoHands::Look& look) {
     std::array<double, 2> last{};
-    const auto done = session::run_virtual(hands_, ticks, [&](const session::Hands&) {
+    const auto done = run_.run(ticks, [&](std::uint64_t tick) {
       for (unsigned hand = 0; hand < 2; ++hand) {
-        const loop::TickOutput& out = hands_[hand].driver->output();
+        const loop::TickOutput& out = run_[hand].driver->output();
         finite_ = finite_ && is_finite(out.command.wrench);
         faulted_ = faulted_ || out.fault != Fault::kNone;
         largest_ = std::max(largest_, norm(out.command.wrench.force));
         largest_step = std::max(largest_step, std::abs(force(hand) - last[hand]));
         last[hand] = force(hand);
       }
-      look(tick++);
-      return true;
+      look(tick);
     });
     TACTUS_CHECK(done.ok(), ticks, 0);
   }
@@ -83,8 +47,8 @@ class TwoHands {
     std::uint64_t left_out = world().statistics().capacity_bits;
     hash.add(world().state_hash());
     for (unsigned hand = 0; hand < 2; ++hand) {
-      hash.add(hands_[hand].loop->state_hash());
-      left_out |= hands_[hand].stats.capacity_bits;
+      hash.add(run_[hand].loop->state_hash());
+      left_out |= run_[hand].stats.capacity_bits;
     }
     outcome.hash = hash.value();
     outcome.gate("finite", finite_);
@@ -93,55 +57,31 @@ class TwoHands {
     outcome.gate("nothing left out", left_out == 0);
   }
 
-  sim::GlobalWorld& world() { return hands_.world(); }
+  sim::GlobalWorld& world() { return run_.world(); }
   // N, of the command to the device, along x.
-  double force(unsigned hand) const { return hands_[hand].driver->output().command.wrench.force.x; }
-  bool holds_part(unsigned hand) { return world().extraction(hand).is_member(kPart); }
-  double part_m() { return world().bodies()[number_of(kPart)].motion.pose.position.x; }
+  double force(unsigned hand) const { return run_.force_N(hand).x; }
+  bool holds_part(unsigned hand) { return run_.holds_part(hand); }
+  double part_m() { return run_.part_x_m(); }
 
   double largest_step{0};  // N a tick, of both
 
  private:
-  static session::Hands made(const sim::Scene& scene) {
-    session::RunOptions options;
-    options.virtual_time = true;
-    options.duration_s = 1;
-    auto hands = session::Hands::create(scene, {options, options}, std::vector<session::Hardware>(2));
+  static TwoHands made(const sim::Scene& scene) {
+    auto hands = TwoHands::create(scene);
     if (!hands.ok()) fmt::print(stderr, "{}\n", hands.message());
     TACTUS_CHECK(hands.ok(), 0, 0);
     return std::move(hands).value();
   }
 
-  session::Hands hands_;
+  TwoHands run_;
   bool finite_{true}, faulted_{false};
   double largest_{0};
 };
 
-// The hand's spring and the coupling's one behind the other.
-double in_series(double stretch_m) { return stretch_m / (1 / kHand + 1 / kCoupling); }
-
 // Both hands draw 20 mm at a bar that is jointed to both proxies, then the first another 30 mm: two pairs of springs
 // carry the stretch, and half of what one hand draws more is felt by the other.
 Outcome tug_of_war(const Setting& setting) {
-  TwoHands run("effects = [\"friction\", \"gyroscopic\", \"joints\"]\n" +
-                   hands_text(0.04, 0, {{{-0.04, -0.06, -0.06, -0.09}, {0.04, 0.06}}}) + R"(
-[[body]]
-name = "bar"
-shape = "box"
-size_m = [0.05, 0.02, 0.02]
-mass_kg = 0.3
-[[joint]]
-kind = "ball"
-a = "bar"
-b = "proxy"
-position_m = [-0.04, 0, 0]
-[[joint]]
-kind = "ball"
-a = "bar"
-b = "proxy2"
-position_m = [0.04, 0, 0]
-)",
-               setting);
+  LookedAt run(tug_text(), setting);
   std::array<double, 2> drawn{}, moved{};
   double ripple = 0;
   std::uint64_t held_by_one = 0;
@@ -154,7 +94,7 @@ position_m = [0.04, 0, 0]
     if (tick >= 2300) ripple = std::max(ripple, std::abs(run.force(0) + run.force(1)));
     if (run.holds_part(0) != run.holds_part(1)) ++held_by_one;
   });
-  const double first = in_series(0.02), then = in_series(0.5 * (0.02 + 0.05));
+  const double first = in_series_N(0.02), then = in_series_N(0.5 * (0.02 + 0.05));
   Outcome outcome;
   run.gate(outcome);
   outcome.near("force of the first, both drawn, N", drawn[0], first, kDryFriction_N);
@@ -169,22 +109,7 @@ position_m = [0.04, 0, 0]
 
 // A block on the ground, that the first hand pushes towards the second, which pushes it back when the first has gone.
 Outcome hand_over(const Setting& setting) {
-  TwoHands run("effects = [\"gravity\", \"friction\", \"gyroscopic\"]\n" +
-                   hands_text(0.09, 0.03,
-                              {{{-0.09, -0.05, -0.02, -0.02, -0.06, -0.09, -0.09, -0.09},
-                                {0.09, 0.1, 0.1, 0.09, 0.09, 0.06, 0.04, 0.09}}}) +
-                   R"(
-[[body]]
-shape = "box"
-size_m = [0.1, 0.1, 0.06]
-mass_kg = 0.5
-friction = 0.5
-position_m = [0, 0, 0.03]
-[[body]]
-shape = "plane"
-friction = 0.5
-)",
-               setting);
+  LookedAt run(hand_over_text(), setting);
   std::vector<unsigned> holders;
   double pushed = 0, both = 0;
   std::array<double, 2> most{};
@@ -199,7 +124,7 @@ friction = 0.5
   // The block stops where the springs carry no more than its friction on the ground: at most `sag` short of where the
   // hand ends, and not beyond. Where in that range its momentum decides. The device's own friction shifts it by F / k.
   const double friction = 0.5 * kGravity * 0.5;
-  const double sag = friction / kHand + friction / kCoupling, off = kDryFriction_N / kHand;
+  const double sag = friction / kHand_N_per_m + friction / kCoupling_N_per_m, off = kDryFriction_N / kHand_N_per_m;
   Outcome outcome;
   run.gate(outcome);
   outcome.holds("the first has it, then the second", holders == std::vector<unsigned>{0, 1});

@@ -5,7 +5,6 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <optional>
 
 #include "hal/profiles.h"
@@ -14,92 +13,17 @@
 #include "tools/session/replay.h"
 #include "tools/session/shared_limit.h"
 #include "tools/session/tape_player.h"
-#include "tools/session/virtual_run.h"
 #include "tools/session/world_rebuilder.h"
+#include "tools/validation/two_hands.h"
 
 using namespace tactus;
+using namespace tactus::hard_cases;
 
 namespace {
 
-constexpr double kHand_N_per_m = 400, kCoupling_N_per_m = 600;  // the default hand's, and of the scenes below
-constexpr double kDryFriction_N = 0.2;                          // of the simulated device
-constexpr sim::BodyIndex kPart{2};                              // the body after the two proxies
-
-const std::string kHead = R"(
-[simulation]
-ratio = 10
-members = 8
-[coupling]
-stiffness_N_per_m = 600
-damping_Ns_per_m = 5
-stiffness_Nm_per_rad = 4
-damping_Nms_per_rad = 0.02
-)";
-
-// Two proxies on both sides of x = 0, and where each hand's target goes along x, by way points of half a second.
-std::string hands_text(double start_m, double height_m, const std::vector<double>& first_m,
-                       const std::vector<double>& second_m) {
-  std::string text;
-  const double starts_m[] = {-start_m, start_m};
-  const std::vector<double>* const paths_m[] = {&first_m, &second_m};
-  for (std::size_t d = 0; d < 2; ++d) {
-    text += fmt::format(
-        "[[proxy]]\nshape = \"sphere\"\nradius_m = 0.01\nmass_kg = 0.2\nfriction = 0.3\n"
-        "position_m = [{0}, 0, {1}]\n[[device]]\nposition_m = [{0}, 0, {1}]\n[[hand]]\nrepeat = false\npath = [\n",
-        starts_m[d], height_m);
-    double time_s = 0;
-    for (const double x_m : *paths_m[d]) {
-      text += fmt::format("{{time_s = {}, position_m = [{}, 0, {}]}},\n", time_s, x_m, height_m);
-      time_s += 0.5;
-    }
-    text += "]\n";
-  }
-  return text;
-}
-
-// A bar between two balls, jointed to both.
-std::string tug_text() {
-  return "effects = [\"friction\", \"gyroscopic\", \"joints\"]\n" + kHead +
-         hands_text(0.04, 0, {-0.04, -0.06, -0.06, -0.09}, {0.04, 0.06}) + R"(
-[[body]]
-name = "bar"
-shape = "box"
-size_m = [0.05, 0.02, 0.02]
-mass_kg = 0.3
-[[joint]]
-kind = "ball"
-a = "bar"
-b = "proxy"
-position_m = [-0.04, 0, 0]
-[[joint]]
-kind = "ball"
-a = "bar"
-b = "proxy2"
-position_m = [0.04, 0, 0]
-)";
-}
-
-// A block on the ground, that the first hand pushes towards the second, which pushes it back when the first has gone.
-std::string part_text() {
-  return "effects = [\"gravity\", \"friction\", \"gyroscopic\"]\n" + kHead +
-         hands_text(0.09, 0.03, {-0.09, -0.05, -0.02, -0.02, -0.06, -0.09, -0.09, -0.09},
-                    {0.09, 0.1, 0.1, 0.09, 0.09, 0.06, 0.04, 0.09}) +
-         R"(
-[[body]]
-shape = "box"
-size_m = [0.1, 0.1, 0.06]
-mass_kg = 0.5
-friction = 0.5
-position_m = [0, 0, 0.03]
-[[body]]
-shape = "plane"
-friction = 0.5
-)";
-}
-
 // A block for each hand, 2 m apart, and both press on theirs.
 std::string apart_text() {
-  std::string text = "effects = [\"gravity\", \"friction\", \"gyroscopic\"]\n" + kHead;
+  std::string text = "effects = [\"gravity\", \"friction\", \"gyroscopic\"]\n" + two_hands_head();
   for (const double x_m : {-1.0, 1.0})
     text += fmt::format(R"(
 [[proxy]]
@@ -130,49 +54,30 @@ sim::Scene scene_of(const std::string& text) {
   return std::move(scene).value();
 }
 
-// A run of two hands whose wishes a test may look at after each tick.
+// A run of two hands that a test may look at after each tick.
 struct Bench {
   explicit Bench(const std::string& text, const std::string& inject_1 = "", const std::string& inject_2 = "",
                  haptics::CouplingScheme coupling = haptics::CouplingScheme::kSubWorld) {
-    session::RunOptions one;
-    one.virtual_time = true;
-    one.duration_s = 1;
-    one.coupling = coupling;
-    one.inject = inject_1;
-    session::RunOptions two = one;
-    two.inject = inject_2;
-    auto made = session::Hands::create(scene_of(text), {one, two}, std::vector<session::Hardware>(2));
+    auto made = TwoHands::create(scene_of(text), {inject_1, inject_2}, coupling);
     error = made.message();
-    if (made.ok()) hands.emplace(std::move(made).value());
+    if (made.ok()) two.emplace(std::move(made).value());
   }
 
-  using Look = std::function<void(std::uint64_t tick)>;
-  void run(std::uint64_t ticks, const Look& look = {}) {
+  void run(std::uint64_t ticks, const TwoHands::Look& look = {}) {
     INFO(error);
-    REQUIRE(hands.has_value());
-    std::uint64_t tick = 0;
-    auto done = session::run_virtual(*hands, ticks, [&](const session::Hands&) {
-      if (look) look(tick);
-      ++tick;
-      return true;
-    });
+    REQUIRE(two.has_value());
+    auto done = two->run(ticks, look);
     REQUIRE(done.ok());
     summaries = std::move(done).value();
     REQUIRE(summaries.size() == 2);
   }
 
-  // N, of the command to the device, along x or z.
-  Vec3d force(unsigned hand) const { return (*hands)[hand].driver->output().command.wrench.force; }
-  bool holds_part(unsigned hand) { return hands->world().extraction(hand).is_member(kPart); }
-  double part_m() { return hands->world().bodies()[number_of(kPart)].motion.pose.position.x; }
+  Vec3d force(unsigned hand) const { return two->force_N(hand); }
 
   std::string error;
-  std::optional<session::Hands> hands;
+  std::optional<TwoHands> two;
   std::vector<session::RunSummary> summaries;
 };
-
-// The hand's spring and the coupling's in series.
-double in_series(double stretch_m) { return stretch_m / (1 / kHand_N_per_m + 1 / kCoupling_N_per_m); }
 
 }  // namespace
 
@@ -189,9 +94,9 @@ TEST_CASE("Two hands that pull at one bar feel each other's force") {
     if (tick >= 2300) ripple_N = std::max(ripple_N, std::abs(forces_N[0] + forces_N[1]));
     most_step_N = std::max(most_step_N, std::abs(forces_N[1] - last_N));
     last_N = forces_N[1];
-    REQUIRE(bench.holds_part(0) != bench.holds_part(1));  // of one sub-world, and always of one
+    REQUIRE(bench.two->holds_part(0) != bench.two->holds_part(1));  // of one sub-world, and always of one
   });
-  const double first = in_series(0.02), then = in_series(0.5 * (0.02 + 0.05));
+  const double first = in_series_N(0.02), then = in_series_N(0.5 * (0.02 + 0.05));
   CHECK(pulled_N[0] == Approx(first).margin(kDryFriction_N));
   CHECK(pulled_N[1] == Approx(-first).margin(kDryFriction_N));
   CHECK(moved_N[0] == Approx(then).margin(kDryFriction_N));
@@ -205,17 +110,17 @@ TEST_CASE("Two hands that pull at one bar feel each other's force") {
 }
 
 TEST_CASE("A part goes from hand to hand, and its sub-world with it") {
-  Bench bench(part_text());
+  Bench bench(hand_over_text());
   const double friction_N = 0.5 * 9.81 * 0.5;  // of the block on the ground: mu = 0.5
   std::vector<unsigned> holders;
   double pushed_m = 0, most_N[2] = {};
   bench.run(3000, [&](std::uint64_t tick) {
-    REQUIRE_FALSE((bench.holds_part(0) && bench.holds_part(1)));
+    REQUIRE_FALSE((bench.two->holds_part(0) && bench.two->holds_part(1)));
     for (unsigned d = 0; d < 2; ++d) {
-      if (bench.holds_part(d) && (holders.empty() || holders.back() != d)) holders.push_back(d);
+      if (bench.two->holds_part(d) && (holders.empty() || holders.back() != d)) holders.push_back(d);
       most_N[d] = std::max(most_N[d], std::abs(bench.force(d).x));
     }
-    if (tick == 1900) pushed_m = bench.part_m();
+    if (tick == 1900) pushed_m = bench.two->part_x_m();
   });
   // The lower hand has what neither touches yet; then each in turn has what it pushes.
   CHECK(holders == std::vector<unsigned>{0, 1});
@@ -224,8 +129,8 @@ TEST_CASE("A part goes from hand to hand, and its sub-world with it") {
   const double sag_m = friction_N / kHand_N_per_m + friction_N / kCoupling_N_per_m;
   CHECK(pushed_m < 0.06 - 0.02);
   CHECK(pushed_m > 0.06 - 0.02 - sag_m);
-  CHECK(bench.part_m() > 0.04 - 0.06);
-  CHECK(bench.part_m() < 0.04 - 0.06 + sag_m);
+  CHECK(bench.two->part_x_m() > 0.04 - 0.06);
+  CHECK(bench.two->part_x_m() < 0.04 - 0.06 + sag_m);
   for (const double force_N : most_N) {
     CHECK(force_N > friction_N);
     CHECK(force_N < 2 * friction_N);
@@ -236,10 +141,10 @@ TEST_CASE("A part goes from hand to hand, and its sub-world with it") {
 TEST_CASE("Several hands give the same bits twice") {
   std::uint64_t hashes[2][3];
   for (auto& of_run : hashes) {
-    Bench bench(part_text());
+    Bench bench(hand_over_text());
     bench.run(1200);
     for (std::size_t d = 0; d < 2; ++d) of_run[d] = bench.summaries[d].state_hash;
-    of_run[2] = bench.hands->world().state_hash();
+    of_run[2] = bench.two->world().state_hash();
   }
   for (std::size_t i = 0; i < 3; ++i) CHECK(hashes[0][i] == hashes[1][i]);
 }
@@ -252,7 +157,7 @@ TEST_CASE("Hands far apart change no bit of each other's force") {
   std::size_t different = 0;
   faulted.run(1000, [&](std::uint64_t tick) { different += faulted.force(0).z != forces_N[tick] ? 1 : 0; });
   CHECK(different == 0);
-  const double pressed_N = in_series(0.015 - 0.005);  // of 15 mm 5 mm are free
+  const double pressed_N = in_series_N(0.015 - 0.005);  // of 15 mm 5 mm are free
   CHECK(forces_N.back() == Approx(pressed_N).margin(kDryFriction_N));
   CHECK(both.force(1).z == Approx(pressed_N).margin(kDryFriction_N));
   CHECK(faulted.force(1).z == 0);
@@ -271,22 +176,22 @@ TEST_CASE("A hand whose device is unplugged leaves what both hold to the other")
   });
   CHECK(bench.summaries[0].stats.fault_count == 0);
   CHECK(bench.summaries[1].stats.fault_count == 1);
-  CHECK(most_N < 1.1 * in_series(0.02));  // the resistance ends, without an impact
+  CHECK(most_N < 1.1 * in_series_N(0.02));  // the resistance ends, without an impact
   CHECK(std::abs(bench.force(0).x) < 2 * kDryFriction_N);
-  CHECK(bench.part_m() < -0.03);  // drawn along
+  CHECK(bench.two->part_x_m() < -0.03);  // drawn along
 }
 
 TEST_CASE("A reset of any hand waits for all of them, and starts for all") {
   const bool first = GENERATE(true, false);
-  Bench bench(part_text(), first ? "reset@1700" : "", first ? "" : "reset@1700");
+  Bench bench(hand_over_text(), first ? "reset@1700" : "", first ? "" : "reset@1700");
   double at_1690_m = 0;
   bench.run(3200, [&](std::uint64_t tick) {
-    if (tick == 1690) at_1690_m = bench.part_m();
+    if (tick == 1690) at_1690_m = bench.two->part_x_m();
   });
   CHECK(at_1690_m > 0.03);
-  CHECK(bench.hands->world().statistics().resets == 1);
-  for (unsigned d = 0; d < 2; ++d) CHECK((*bench.hands)[d].loop->sub_world().epoch() == 1);
-  CHECK(std::abs(bench.part_m()) < 0.04);  // the trial is in its first second again
+  CHECK(bench.two->world().statistics().resets == 1);
+  for (unsigned d = 0; d < 2; ++d) CHECK((*bench.two)[d].loop->sub_world().epoch() == 1);
+  CHECK(std::abs(bench.two->part_x_m()) < 0.04);  // the trial is in its first second again
   for (const auto& summary : bench.summaries) CHECK(summary.stats.fault_count == 0);
 }
 
@@ -295,9 +200,9 @@ TEST_CASE("Each hand has a tape, and each replays with the same bits") {
   CHECK(session::file_of_hand("a/my.tape", 0) == "a/my.tape");
   CHECK(session::file_of_hand("a/my.tape", 1) == "a/my.2.tape");
   const std::string second = session::file_of_hand(first.path(), 1);
-  Bench bench(part_text());
-  REQUIRE(bench.hands.has_value());
-  REQUIRE(bench.hands->record(first.path()).ok());
+  Bench bench(hand_over_text());
+  REQUIRE(bench.two.has_value());
+  REQUIRE(bench.two->hands().record(first.path()).ok());
   bench.run(2200);
   const std::string paths[] = {first.path(), second};
   for (std::size_t d = 0; d < 2; ++d) {
@@ -326,7 +231,7 @@ TEST_CASE("What several hands cannot have is refused in one line") {
     const bool several = scheme == haptics::CouplingScheme::kSubWorld;
     const Bench bench(tug_text(), "", "", scheme);
     INFO(bench.error);
-    CHECK(bench.hands.has_value() == several);
+    CHECK(bench.two.has_value() == several);
     CHECK(bench.error.find('\n') == std::string::npos);
   }
   CHECK(Bench(tug_text(), "", "teleport").error.starts_with("hand 2: --inject"));

@@ -50,13 +50,21 @@ if under_force few-lost; then
   verdict "five commands lost: fades and recovers" "$line"
 fi
 
-if under_force old-commands; then
+# follows COMMAND WHAT: after each good command, in the same period, one that must not be obeyed.
+follows() {
+  under_force "$1" || return
+  report
+  refused=$(value refused)
   mark
-  tell 'old_commands 500'
+  tell "$1 500"
   sleep 1
-  ! said '^fade' && ! said '^state FORCE' && report && [ "$(value state)" = 2 ]
-  verdict "an old command follows each good one: the good one counts" "$line"
-fi
+  ! said '^fade' && ! said '^state FORCE' && report && [ "$(value state)" = 2 ] &&
+    [ $(($(value refused) - refused)) -ge 500 ]
+  verdict "$2 follows each good one: the good one counts" "refused $refused before; $line"
+}
+follows old_commands 'an old command'
+follows broken_followers 'a broken command'
+follows nan_followers 'an old command with NaN'
 
 if under_force commands-lost; then mark; tell 'lost_commands 15'; brakes commands-lost; fi
 if under_force commands-corrupt; then mark; tell 'corrupt_commands 15'; brakes commands-corrupt; fi

@@ -19,6 +19,8 @@ presses() {
   done
   return 1
 }
+# under_pressure NAME: the precondition of every fault.
+under_pressure() { presses || { not_ok "$1" "no force before: $(last_lines)"; return 1; }; }
 # comes_in NAME: there is force again, and no step of it above a hundredth of the limit.
 comes_in() {
   presses
@@ -86,20 +88,59 @@ for periods in 1 8; do
   comes_in "reset of $periods periods"
 done
 
-# A register that changed while a fault was latched. Over USB the host alone can ask.
-if [ "$link" != usb ] && presses; then
-  max_force=$(ask_device "$host" read 0x0130 | sed -n 's/value=//p')
+# A device that leaves FORCE without a reset: another program tells it to idle.
+if under_pressure 'told to idle by another'; then
+  before=$(grep -c 'FAULT at' "$host_log")
+  mark
+  tell 'idle_commands 8'
+  await '^state FORCE IDLE' && began=$(value period)
+  await '^state IDLE BRAKE' && braked=$((($(value period)) - began)) || braked=
+  figure left-force brake "${braked:--1}"
+  case $link in usb) most=4 ;; *) most=2 ;; esac
+  [ "${braked:-99}" -le $most ]
+  verdict "told to idle by another: the host brakes it $most periods later at the latest" "${braked:-never}"
+  sleep 0.5
+  [ "$(grep -c 'FAULT at' "$host_log")" -gt "$before" ] && grep 'FAULT at' "$host_log" | tail -n 1 | grep -q 'left FORCE'
+  verdict "told to idle by another: a fault in words" "$(last_lines)"
+  comes_in "told to idle by another"
+fi
+
+# Another device in its place, which its serial number tells.
+if under_pressure 'another serial number'; then
+  tell 'serial BENCH-2'
+  tell 'restart 8'
+  sleep 3
+  report
+  [ "$(value share)" = 0 ] && log_says "not armed.*serial number is 'BENCH-2'"
+  verdict "another serial number: the re-arm is refused and says why" "share $(value share); $(last_lines)"
+  tell 'serial BENCH-1'
+  tell 'restart 8'
+  report
+  comes_in "its own serial number again"
+fi
+
+# changes NAME REGISTER VALUE: a register that changed while a fault was latched, of which the host may not take notice.
+changes() {
+  under_pressure "$1 changed" || return
+  own=$(ask_device "$host" read "$2" | sed -n 's/value=//p')
   e_stop on
   sleep 0.2
-  ask_device "$host" write 0x0130 0x49742400 >/dev/null
+  ask_device "$host" write "$2" "$3" >/dev/null || not_ok "$1 changed" "the device refuses it"
   e_stop off
   sleep 3
   report
-  [ "$(value share)" = 0 ] && log_says 'not armed.*max_force (register 0x0130)'
-  verdict "max_force changed: the re-arm is refused and says why" "share $(value share); $(last_lines)"
-  ask_device "$host" write 0x0130 "$max_force" >/dev/null
+  [ "$(value share)" = 0 ] && log_says "not armed.*$1.*(register $2)"
+  verdict "$1 changed: the re-arm is refused and says why" "share $(value share); $(last_lines)"
+  ask_device "$host" write "$2" "$own" >/dev/null
   report
-  comes_in "max_force written back"
+  comes_in "$1 written back"
+}
+# Over USB the host alone can ask.
+if [ "$link" != usb ]; then
+  changes max_force 0x0130 0x49742400     # 1e6 N
+  changes max_effort 0x0110 0x49742400    # of axis 0
+  changes quantum 0x0100 0x3a83126f       # of axis 0: 1 mm
+  changes brake_frames 0x0134 250
 fi
 end_host
 

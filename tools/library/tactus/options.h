@@ -59,8 +59,11 @@ struct Options {
   bool arm_at_start{true};
   /// True: clears a latched fault automatically, one second after it latched.
   bool rearm{false};
-  /// Script of injected faults, as `KIND@TICK[+TICKS][:AMOUNT],...`, see `tactus run --help`; empty: none.
+  /// Script of injected faults, as `KIND@TICK[+TICKS][:AMOUNT],...`, see `tactus run --help`; empty: none. With
+  /// several hands: of the first.
   std::string inject;
+  /// The same of the second hand and those after it, in their order; shorter: none.
+  std::vector<std::string> more_injects;
   /// Seed of the random numbers of injected faults.
   std::uint64_t seed{1};
 

@@ -84,8 +84,8 @@ class Scene {
   std::uint32_t bodies() const noexcept;
   /// Properties of a body; a default BodyInfo for an invalid number.
   BodyInfo body(BodyNumber number) const noexcept;
-  /// Display name of a body: the name in the scene's text, `proxy`, or `body 17`. Parses the text again: do not call it
-  /// every tick.
+  /// Display name of a body: the name in the scene's text, `proxy`, of a second hand `proxy2`, or `body 17`. Parses the
+  /// text again: do not call it every tick.
   std::string body_name(BodyNumber number) const;
   /// Corners of a hull or a mesh [m], in the body's own frame; empty for any other shape.
   std::vector<Vector3> corners(BodyNumber number) const;
@@ -93,10 +93,13 @@ class Scene {
   std::vector<PartInfo> parts(BodyNumber number) const;
   /// Triangles of a mesh by their corners, counter-clockwise from outside; empty for any other shape.
   std::vector<std::array<std::uint32_t, 3>> triangles(BodyNumber number) const;
-  /// The body that the device holds; 0 for an empty scene.
-  BodyNumber proxy() const noexcept;
-  /// Duration of the simulated hand's path [s].
-  double hand_duration_s() const noexcept;
+  /// Number of hands: of [[proxy]] in the scene; 0 for an empty scene. Hands are numbered from 0, in the order of the
+  /// file.
+  unsigned hands() const noexcept;
+  /// The body that the device of this hand holds; 0 for an empty scene or an invalid hand.
+  BodyNumber proxy(unsigned hand = 0) const noexcept;
+  /// Duration of the simulated hand's path [s]; 0 for an empty scene or an invalid hand.
+  double hand_duration_s(unsigned hand = 0) const noexcept;
 
  private:
   friend struct library::Access;

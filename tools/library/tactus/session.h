@@ -59,8 +59,12 @@ class SavedState {
   std::shared_ptr<const State> state_;
 };
 
-/// A run of a scene with a device.
+/// A run of a scene with a device, or with a device for each of several hands.
 ///
+/// Hands: a scene with several [[proxy]] has as many hands, numbered from 0, and a device for each; virtual time only.
+/// Each hand has a sub-world of its own; what one does reaches the others through the global world. Calls with the
+/// parameter `hand` are of that hand; for a number that is not below hands() they return what they return of a session
+/// that is not open.
 /// Thread: all calls from one thread at a time, except request() and stop(): any thread may call these two while the
 /// session is not being opened, moved or destroyed. Several sessions are independent. On a session that is not open,
 /// calls return an Error (kUse) and views are empty.
@@ -83,10 +87,16 @@ class Session {
   Error open(const Scene& scene, const Options& options = {});
   /// Same, with the caller's device, which must outlive the session.
   Error open(const Scene& scene, const Options& options, Device& device);
+  /// Same, with several hands.
+  /// \param devices one for each hand of the scene, which must outlive the session; null: the simulated one
+  Error open(const Scene& scene, const Options& options, std::span<Device* const> devices);
   /// True after a successful open(), until close().
   bool is_open() const noexcept;
+  /// Number of hands; 0 if the session was not opened.
+  unsigned hands() const noexcept;
 
-  /// Writes a tape of all following ticks, for replay_tape and `tactus replay`. Call it before the first tick.
+  /// Writes a tape of all following ticks, for replay_tape and `tactus replay`. Call it before the first tick. With
+  /// several hands a tape each: `my.tape` of the first, `my.2.tape` of the second.
   ///
   /// A recorded run() that ends with a fault latched, or lost a tick to its own work, also leaves its last seconds in
   /// `tactus-fault.tape` in the working directory, in place of an earlier one: the *flight recorder* of summary().
@@ -126,16 +136,16 @@ class Session {
   /// \return kUse: not open, in real time, ended, with a tape, or another session's state
   Error restore(const SavedState& saved);
 
-  /// [any] Requests an action for the next tick.
-  void request(Request request) noexcept;
+  /// [any] Requests an action for the next tick. A scene reset that one hand is asked for is of all hands.
+  void request(Request request, unsigned hand = 0) noexcept;
   /// [any] Ends the running step() or run() after its current tick; if none is running, the next one before its first
   /// tick. May be called by a signal handler, a Device or another thread.
   void stop() noexcept;
 
   /// The latest tick; all zero before the first.
-  const Tick& last() const noexcept;
+  const Tick& last(unsigned hand = 0) const noexcept;
   /// The ticks of the last step() or run(), oldest first; at most the latest Options::history_ticks.
-  std::span<const Tick> ticks() const noexcept;
+  std::span<const Tick> ticks(unsigned hand = 0) const noexcept;
   /// Number of ticks since open() or reset().
   std::uint64_t ticks_done() const noexcept;
   /// Haptic time: ticks_done() periods [s].
@@ -143,25 +153,27 @@ class Session {
   /// Of a tick.
   double period_s() const noexcept;
 
-  /// All bodies by number. Members are as of the last tick, the others as of the last global step. In a Monitor all are
-  /// as of a recent global step; with the coupling `direct`, which has no global world, as at the start.
+  /// All bodies by number. Members of any hand are as of the last tick, the others as of the last global step. In a
+  /// Monitor all are as of a recent global step; with the coupling `direct`, which has no global world, as at the
+  /// start.
   std::span<const BodyState> bodies() const;
-  /// Who simulates each body, by number; as of when bodies() is.
-  std::span<const Role> roles() const;
-  /// Bodies of the sub-world, ascending; as of when bodies() is.
-  std::span<const BodyNumber> members() const;
+  /// Who simulates each body, by number, as one hand has it: a member of another hand's sub-world is of the global
+  /// world here. As of when bodies() is.
+  std::span<const Role> roles(unsigned hand = 0) const;
+  /// Bodies of the sub-world, ascending; as of when bodies() is. A body is a member of one hand's at most.
+  std::span<const BodyNumber> members(unsigned hand = 0) const;
   /// Contact points of the sub-world with a force or an overlap. Empty in a Monitor: the haptic thread is using them.
-  std::span<const Contact> contacts() const;
+  std::span<const Contact> contacts(unsigned hand = 0) const;
   /// Border contact points with a force, between members and outside bodies. Empty in a Monitor, as contacts().
-  std::span<const BorderContact> border_contacts() const;
+  std::span<const BorderContact> border_contacts(unsigned hand = 0) const;
 
   /// Hash of the sub-world's state: poses, velocities, contacts and couplings of its bodies. Equal for bit-identical
   /// runs. With the plane couplings the sub-world is the proxy alone. 0 in a Monitor.
-  std::uint64_t state_hash() const noexcept;
+  std::uint64_t state_hash(unsigned hand = 0) const noexcept;
   /// Changes made to the requested settings, such as gains lowered for the coupling scheme; one line each.
-  std::vector<std::string> notes() const;
+  std::vector<std::string> notes(unsigned hand = 0) const;
   /// Statistics and verdict of the run so far. Empty in a Monitor: the haptic thread is using them.
-  Summary summary() const;
+  Summary summary(unsigned hand = 0) const;
 
   /// That it was opened with.
   const Scene& scene() const noexcept;

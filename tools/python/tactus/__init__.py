@@ -4,10 +4,10 @@ Session runs a scene, Scene is one, Tape reads a recorded run, Live watches a ru
 z up, unless a name says otherwise; rotations are unit quaternions w, x, y, z. What is wrong is a tactus.Error with a
 line that says what is accepted.
 """
-from ._core import CheckedScene, Error, FileError, MachineError, OptionError, Replay, SavedState, Tape, UseError, __version__
+from ._core import CheckedScene, Error, FileError, MachineError, OptionError, Replay, SavedState, SessionHand, Tape, UseError, __version__
 from .live import Live
 from .scene import Scene
 from .session import Session
 
 __all__ = ['CheckedScene', 'Error', 'FileError', 'Live', 'MachineError', 'OptionError', 'Replay', 'SavedState', 'Scene', 'Session',
-           'Tape', 'UseError', '__version__']
+           'SessionHand', 'Tape', 'UseError', '__version__']

@@ -1,6 +1,6 @@
 """Types of the module; the docstrings are with the code: help(tactus.Session)."""
 import os
-from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 
 Hand = Callable[[int, NDArray[np.float64], NDArray[np.float64]], ArrayLike | None]
+Leader = Hand | Literal['targets'] | None
 SceneLike = str | os.PathLike[str] | Mapping[str, Any] | 'Scene'
 
 
@@ -26,8 +27,9 @@ class CheckedScene:
     text: str
     warnings: list[str]
     bodies: int
-    proxy: int
-    hand_duration_s: float
+    proxy: int                    # of the first hand
+    proxies: list[int]            # by hand
+    hand_duration_s: float        # of the first hand
     def body(self, number: int) -> dict[str, Any]: ...
     def parts(self, number: int) -> list[dict[str, Any]]: ...      # of a compound, in the body's frame
     def corners(self, number: int) -> NDArray[np.float64]: ...    # (n, 3), m, body frame
@@ -53,10 +55,26 @@ class Scene(MutableMapping[str, Any]):
 class SavedState: ...
 
 
+class SessionHand:
+    number: int
+    roles: NDArray[np.uint8]                # (bodies,)
+    members: NDArray[np.uint32]             # (members,)
+    contacts: NDArray[np.void]              # (contacts,)
+    border: NDArray[np.void]                # (contacts,)
+    last: np.void
+    ticks_lost: int
+    state_hash: str
+    notes: list[str]
+    summary_text: str
+    def request(self, word: Literal['arm', 'rearm', 'disarm', 'reset_scene']) -> None: ...
+    def look(self) -> NDArray[np.void]: ...   # (ticks,)
+    def summary(self) -> dict[str, Any]: ...
+
+
 class Session:
-    def __init__(self, scene: SceneLike, hand: Hand | Literal['targets'] | None = None, **options: Any) -> None: ...
-    def replace(self, scene: SceneLike, hand: Hand | Literal['targets'] | None = None, **options: Any) -> None: ...
-    def step(self, ticks: int | ArrayLike) -> None: ...
+    def __init__(self, scene: SceneLike, hand: Leader | Sequence[Leader] = None, **options: Any) -> None: ...
+    def replace(self, scene: SceneLike, hand: Leader | Sequence[Leader] = None, **options: Any) -> None: ...
+    def step(self, ticks: int | ArrayLike | Sequence[ArrayLike | None]) -> None: ...
     def record(self, tape: str | os.PathLike[str]) -> None: ...
     def reset(self) -> None: ...
     def close(self) -> None: ...
@@ -67,6 +85,8 @@ class Session:
     def summary(self) -> dict[str, Any]: ...
     def __enter__(self) -> Session: ...
     def __exit__(self, *error: object) -> None: ...
+    @property
+    def hands(self) -> tuple[SessionHand, ...]: ...
     @property
     def position(self) -> NDArray[np.float64]: ...           # (bodies, 3), m, world
     @property

@@ -1,6 +1,4 @@
 """A run of a scene in virtual time."""
-import json
-
 from . import _core
 from .scene import checked
 
@@ -12,7 +10,8 @@ class Session(_core.Session):
     returns where the hand wants the tool at that tick, 3 numbers (position, m) or 7 (position and rotation w x y z),
     world frame, or None: as before. It gets the tick's number, the tool's measured pose (7,) in the world and (6,) the
     force and torque on the hand, N and N m, world axes; what it raises ends the step and comes out of it. Or 'targets':
-    step() takes an array of targets. options: those of `tactus run`, such as coupling='static', ratio=5, rate_Hz=2000.
+    step() takes an array of targets. A scene with several hands takes a list of these, one for each; what each hand has
+    is in `hands`. options: those of `tactus run`, such as coupling='static', ratio=5, rate_Hz=2000.
 
     One call at a time; while step() computes, other threads run.
     """
@@ -23,10 +22,6 @@ class Session(_core.Session):
     def replace(self, scene, hand=None, **options):
         """Another scene. Views taken before show NaN from now on (roles 255): they are of the scene that is gone."""
         self._replace(checked(scene), hand, options)
-
-    def summary(self):
-        """Statistics and verdict so far: the object of `tactus run --json`."""
-        return json.loads(self._summary_json())
 
     @property
     def bodies(self):
