@@ -175,13 +175,17 @@ class OverSockets(unittest.TestCase):
 
     def test_a_viewer_that_is_killed_or_hangs_is_nothing_to_the_run(self):
         other = Viewer(self.run_)
+        watched = Page(other)
+        self.pages.append(watched)
+        while not isinstance(watched.message(), bytes):
+            pass
         os.kill(other.process.pid, signal.SIGSTOP)
         page = self.page()
         self.assertEqual(page.status, 101)
         self.viewer.process.kill()
         self.viewer.process.communicate()
         before = self.run_.ask("state")["ticks"]
-        wait_for(lambda: self.run_.ask("state")["ticks"] > before + 1000, "ticks")
+        wait_for(lambda: self.run_.ask("state")["ticks"] > before + 5000, "ticks")
         os.kill(other.process.pid, signal.SIGCONT)
         other.process.kill()
         other.process.communicate()
@@ -299,6 +303,18 @@ class OverSockets(unittest.TestCase):
         self.run_.process.kill()
         self.run_.process.communicate()
         self.answer(page, "ended")
+
+    def test_a_socket_that_one_may_not_write_to_is_one_line(self):
+        os.chmod(self.run_.socket, 0)
+        # Root may write to any: without that right it is a user as others are.
+        without_right = ["setpriv", "--bounding-set=-dac_override", "--inh-caps=-dac_override"] if os.geteuid() == 0 else []
+        done = subprocess.run([*without_right, PROGRAM, "view", "--socket", self.run_.socket], capture_output=True, text=True,
+                              timeout=PATIENCE_S, check=False)
+        os.chmod(self.run_.socket, 0o660)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+        self.assertIn("Permission denied", done.stderr)
+        self.assertIn(self.run_.socket, done.stderr)
 
     def test_what_is_missing_is_one_line(self):
         for options, says in ((["--socket", "/nowhere.sock"], "no run answers there"),
