@@ -258,9 +258,9 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
                       .books = TickStatistics({period_ns, warm_up, kSettleTicks}),
                       .rows = {},
                       .cyclictest_wake = {},
-                      .viewer = {},
                       .records_lost = 0,
-                      .scene_text = scene_text};
+                      .scene_text = scene_text,
+                      .viewer = {}};
   loop::TickProbe probe(plan);
   session::RealtimeHooks hooks;
   hooks.probe = &probe;

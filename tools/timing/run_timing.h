@@ -38,9 +38,9 @@ struct TimingResult {
   TickStatistics books;
   std::vector<VerdictRow> rows;
   Histogram cyclictest_wake;  // empty without it
-  WatchedWindows viewer;      // empty without it
   std::uint64_t records_lost{0};
-  std::string scene_text;  // what was run
+  std::string scene_text;   // what was run
+  WatchedWindows viewer{};  // empty without one
 
   TimingVerdict verdict() const { return verdict_of(rows); }
 };

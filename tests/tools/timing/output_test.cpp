@@ -16,7 +16,7 @@ namespace tactus::timing {
 namespace {
 
 TimingResult made_result() {
-  TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, {}, 0, ""};
+  TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
   for (std::uint64_t i = 0; i < 400; ++i) r.books.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));
   for (std::uint64_t i = 0; i < 100; ++i) r.books.add_bare(usual_tick(i));
   r.books.finish();
