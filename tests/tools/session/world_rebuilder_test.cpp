@@ -79,11 +79,11 @@ TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, on every kind o
 
 TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, in large heaps") {
   const std::string scene = GENERATE("pile700.toml", "pile5000.toml");
-  check_rebuilt(scene, 300, 20);
+  check_rebuilt(scene, 450, 20);
 }
 
 TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, of 50 thousand bodies", "[.long]") {
-  check_rebuilt("heaps50k.toml", 300, 20);
+  check_rebuilt("heaps50k.toml", 450, 20);
 }
 
 TEST_CASE("every scene is among those whose world is rebuilt") {
