@@ -1,8 +1,10 @@
 // What a watcher costs: packing a frame beside a step of the global world, copying it, and a page's messages with their
-// bytes. A frame is packed at most 60 times a second, so its time is waited for between two turns.
+// bytes. A frame is packed at most 60 times a second, so its time is waited for between two turns. Without arguments it
+// also says which program prints which row of the table in tools/view/README.md.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <ctime>
 #include <thread>
@@ -130,5 +132,38 @@ BENCHMARK(message_to_a_page)
     ->Args({50400, 50400})
     ->Unit(benchmark::kMicrosecond);
 
+struct Row {
+  const char *figure, *bound, *printed_by;
+};
+constexpr Row kRows[] = {
+    {"instructions of a tick, watched or not", "equal to 0.1 %", "view_instructions"},
+    {"instructions of the record of a tick's times", "300 a tick", "view_instructions"},
+    {"wake-up and own part of a tick, watched or not", "p50 1.02, p99 1.1 times", "tactus timing --with-viewer"},
+    {"global step of 5,000 bodies while watched", "1.03 times", "global_step_watched, here"},
+    {"global step after the last watcher left", "1.00 +- 0.01 times", "nobody_watches, here: what it adds"},
+    {"controller's memory", "32 MB more", "view_costs"},
+    {"bytes a frame: 5,000 bodies, all moving", "100 kB", "message_to_a_page/5000/5000, here"},
+    {"bytes a frame: 50,400 bodies, 300 moving", "10 kB", "message_to_a_page/50400/300, here"},
+    {"frames that a page takes", "5,000: 55/s, 7 MB/s; 50,400: 20/s", "view_in_browser BUILD --frames"},
+    {"draw calls", "60 in any scene", "view_in_browser BUILD --draw-calls"},
+    {"pointer to tick, to page", "p95 25 ms, 100 ms later", "view_in_browser BUILD --pointer"},
+    {"first picture after tactus view", "2 s at 5,000 bodies", "view_in_browser BUILD --first-picture"},
+    {"export", "CSV 20 times, HDF5 and MCAP 50 times real time", "view_costs"},
+};
+
+void print_rows() {
+  std::printf("\n%-48s %-48s %s\n", "figure", "bound", "printed by (programs of tools/bench)");
+  for (const Row& row : kRows) std::printf("%-48s %-48s %s\n", row.figure, row.bound, row.printed_by);
+}
+
 }  // namespace
 }  // namespace tactus::bench
+
+int main(int argc, char** argv) {
+  const bool everything = argc == 1;
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  if (everything) tactus::bench::print_rows();
+  return 0;
+}

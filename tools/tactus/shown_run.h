@@ -1,9 +1,9 @@
 // What the watchers of a run see: its publication, and what it says of itself: the verdict so far, by the rules of the
 // summary, and the tape of its fault.
 //
-// Thread: construction, recorded, look, end: the one that attends the run; stepped: the global world's; the records
-// come by the drain's; each tape has a thread that writes it. Bound: a verdict five times a second, and only while
-// somebody watches; one tape at a time.
+// Thread: construction, recorded, look, end: the one that attends the run; watchers: [any]; stepped: the global
+// world's; the records come by the drain's; each tape has a thread that writes it. Bound: a verdict five times a
+// second, and only while somebody watches; one tape at a time.
 #pragma once
 
 #include <future>
@@ -29,11 +29,12 @@ class ShownRun {
   void end(const session::RunSummary& summary);
 
   void add_to(service::Watchable& watchable) noexcept;
+  std::uint32_t watchers() const noexcept { return publication_->watchers().load(std::memory_order_relaxed); }
 
  private:
   ShownRun(session::Session& session, std::unique_ptr<publication::Publication> publication);
   static void taken(void* self, std::uint32_t kind, std::span<const std::byte> payload) noexcept;
-  bool watched() const noexcept { return publication_->watchers().load(std::memory_order_relaxed) != 0; }
+  bool watched() const noexcept { return watchers() != 0; }
   void say(const session::RunSummary& summary, bool ended);
   void keep_fault(const session::LiveStatus& live);
   void take_written();

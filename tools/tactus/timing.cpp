@@ -11,6 +11,7 @@
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/stop_signals.h"
+#include "tools/tactus/timed_viewer.h"
 #include "tools/timing/budget.h"
 #include "tools/timing/report.h"
 #include "tools/timing/trace.h"
@@ -84,6 +85,7 @@ std::string command_of(const TimingCommand& command, int cpu) {
   if (command.no_bare) text += " --no-bare";
   if (o.os_noise) text += " --os-noise";
   if (!command.against.empty()) text += " --against " + command.against;
+  if (o.with_viewer) text += fmt::format(" --with-viewer --window {:g}", o.window_s);
   return text + " --svg " + command.svg;
 }
 
@@ -97,11 +99,18 @@ int run_timing_command(TimingCommand& command) {
   if (o.run.scene.empty()) o.run.members = o.members;
   if (const Status status = timing::check(o); !status.ok())
     return complain("tactus timing: " + status.message(), kExitBadInput);
+  if (o.with_viewer && !command.certify.empty())
+    return complain("tactus timing: --certify: signs a run without a viewer off; accepted: without --with-viewer",
+                    kExitBadInput);
+  TimedViewer viewer;
+  if (o.with_viewer)
+    if (const Status status = viewer.open(); !status.ok())
+      return complain("tactus timing: --with-viewer: " + status.message(), kExitMachineCannot);
   stop_on_signals(ask_to_stop);
   const bool terminal = isatty(STDERR_FILENO) != 0;
   timing::TimingProblem problem;
-  const auto result =
-      timing::run_timing(o, terminal ? show_progress : timing::TimingProgress{}, g_stop_timing, problem);
+  const auto result = timing::run_timing(o, terminal ? show_progress : timing::TimingProgress{}, g_stop_timing, problem,
+                                         viewer.watcher());
   if (terminal) fmt::print(stderr, "\r\033[K");
   if (!result) return complain("tactus timing: " + problem.text, problem.input ? kExitBadInput : kExitMachineCannot);
   if (result->books.ticks == 0)
@@ -135,6 +144,7 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
       "usage or scene; 3 the machine cannot do it.\n\n"
       "Examples:\n  tactus timing --cpu 3 --duration 600 --load stress-ng --svg timing.svg --trace timing.json\n"
       "  tactus timing --cpu 3 --against cyclictest --duration 600\n"
+      "  tactus timing --cpu 3 --with-viewer --duration 60\n"
       "  tactus timing --cpu 3 --members 100 --duration 3600 --load memory --certify budget.json");
   app->add_option("--duration", o.duration_s, "how long, all windows together [s]")->capture_default_str();
   app->add_option("--members", o.members, "declared capacity: bodies of the sub-world")
@@ -166,6 +176,10 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
          "cyclictest: in turns with that program (Debian: rt-tests), 10 s each, on the same core, at the same\n"
          "period and priority, in the bare timer's place")
       ->check(CLI::IsMember({"cyclictest"}));
+  app->add_flag("--with-viewer", o.with_viewer,
+                "every second window with `tactus view` and a page that takes all frames, in the bare timer's place:\n"
+                "ratios of the wake-up and of a tick's own part, p50 and p99")
+      ->excludes("--no-bare");
   app->add_option("--svg", command->svg, "plot the times into this file");
   app->add_option("--trace", command->trace, "write the worst spikes and the last second for Perfetto");
   app->add_option("--certify", command->certify, "sign the capacity off into this file, for `tactus run --budget`");

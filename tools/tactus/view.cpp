@@ -80,11 +80,12 @@ int run_view(const ViewCommand& command, const std::vector<std::string>& rest) {
   view::ViewSettings settings{static_cast<std::uint16_t>(command.port), command.allow_force, std::move(files).value(),
                               view::make_token()};
   if (settings.token.empty()) return fail("the system has no random numbers", kExitMachineCannot);
+  const std::string hand = source.value()->hand();
   auto server = view::ViewServer::open(std::move(settings), std::move(source).value());
   if (!server.ok()) return fail(server.message(), kExitMachineCannot);
   stop_on_signals(ask_to_stop);
   const std::string address = server.value()->address() + (command.link.empty() ? "" : "&" + command.link);
-  fmt::print(stderr, "tactus view: {}\n", address);
+  fmt::print(stderr, "tactus view: {}{}\n", hand.empty() ? "" : hand + ": ", address);
   const view::ViewReport report = server.value()->serve(g_stop_view);
   if (command.json) {
     const nlohmann::ordered_json object{{"address", address},

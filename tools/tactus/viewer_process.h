@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "rt/base/result.h"
 
@@ -16,13 +17,24 @@ class ViewerProcess {
  public:
   // Starts it on the socket; it prints its address on standard error. Error: of the operating system.
   static Result<std::unique_ptr<ViewerProcess>> start(const std::filesystem::path& socket);
+  // The same, silent: what it prints is read here. Error also: it ends before it has an address, or has none within
+  // 10 s.
+  static Result<std::unique_ptr<ViewerProcess>> start_silent(const std::filesystem::path& socket);
+  // Of one that was started silent.
+  const std::string& address() const noexcept { return address_; }
   ~ViewerProcess();
   ViewerProcess(const ViewerProcess&) = delete;
   ViewerProcess& operator=(const ViewerProcess&) = delete;
 
  private:
-  explicit ViewerProcess(pid_t process) : process_(process) {}
+  // `output`: to read what it prints; -1: it is on standard error.
+  explicit ViewerProcess(pid_t process, int output = -1) : process_(process), output_(output) {}
+  static Result<std::unique_ptr<ViewerProcess>> start(const std::filesystem::path& socket, bool silent);
+  Status read_address();
+
   pid_t process_;
+  int output_;
+  std::string address_;
 };
 
 // A folder of this user's alone, for a control socket; removed with the object.

@@ -70,6 +70,43 @@ std::string ratio_text(const TimingResult& r, const char* name, const Histogram&
                      wake_ratio(r, other, 99));
 }
 
+struct ViewerRow {
+  const char *name, *key;
+  Histogram WindowTimes::*times;
+};
+constexpr ViewerRow kViewerRows[] = {{"wake-up", "wake", &WindowTimes::wake},
+                                     {"read, compute, write", "execution", &WindowTimes::execution}};
+
+std::string viewer_text(const WatchedWindows& v) {
+  if (!v.any()) return "";
+  std::string text = fmt::format(
+      "a viewer in turns          {} windows with it ({} ticks, {} frames taken), {} without ({} ticks), {} neither\n"
+      "                            with, p50  without    ratio  with, p99  without    ratio  us\n",
+      v.with.windows, v.with.ticks, v.with.frames, v.without.windows, v.without.ticks, v.other);
+  for (const ViewerRow& row : kViewerRows) {
+    const Histogram &with = v.with.*row.times, &without = v.without.*row.times;
+    text += fmt::format("  {:<24}", row.name);
+    for (const double percent : {50.0, 99.0})
+      text += fmt::format(" {:>10.1f} {:>8.1f} {:>8.3f}", us(with.percentile_ns(percent)),
+                          us(without.percentile_ns(percent)), ratio_of(with, without, percent));
+    text += "\n";
+  }
+  return text;
+}
+
+ordered_json viewer_json(const WatchedWindows& v) {
+  ordered_json j;
+  for (const auto& [key, windows] : {std::pair{"with", &v.with}, std::pair{"without", &v.without}}) {
+    j[key] = {{"windows", windows->windows}, {"ticks", windows->ticks}, {"frames", windows->frames}};
+    for (const ViewerRow& row : kViewerRows) j[key][row.key] = times_json(windows->*row.times);
+  }
+  j["windows_neither"] = v.other;
+  for (const ViewerRow& row : kViewerRows)
+    for (const int percent : {50, 99})
+      j[fmt::format("{}_ratio_p{}", row.key, percent)] = ratio_of(v.with.*row.times, v.without.*row.times, percent);
+  return j;
+}
+
 std::string overruns_text(const TimingResult& r) {
   const TickStatistics& b = r.books;
   std::string causes;
@@ -123,7 +160,8 @@ std::string to_text(const TimingResult& r) {
   if (b.bare_ticks > 0) curves.push_back({"bare timer's wake-up", &b.bare_wake});
   if (r.cyclictest_wake.count() > 0) curves.push_back({"cyclictest's wake-up", &r.cyclictest_wake});
   text += histogram_text(curves, b.settings().period_ns) + "\n" + stages_text(r);
-  text += ratio_text(r, "bare timer", b.bare_wake) + ratio_text(r, "cyclictest", r.cyclictest_wake) + "\n";
+  text += ratio_text(r, "bare timer", b.bare_wake) + ratio_text(r, "cyclictest", r.cyclictest_wake);
+  text += viewer_text(r.viewer) + "\n";
   text += overruns_text(r) + "\n" + verdict_text(r);
   if (r.records_lost > 0)
     text += fmt::format("{} ticks were not recorded: the other cores were too busy to look\n", r.records_lost);
@@ -152,6 +190,7 @@ ordered_json to_json(const TimingResult& r) {
     j["cyclictest"]["wake_ratio_p50"] = wake_ratio(r, r.cyclictest_wake, 50);
     j["cyclictest"]["wake_ratio_p99"] = wake_ratio(r, r.cyclictest_wake, 99);
   }
+  if (r.viewer.any()) j["viewer"] = viewer_json(r.viewer);
   for (std::uint32_t i = 0; i < kCauses; ++i) j["overruns"][key_of(static_cast<Cause>(i))] = b.overruns_by_cause[i];
   j["overruns_total"] = b.overruns;
   j["skipped_ticks"] = b.skipped;

@@ -21,6 +21,7 @@ namespace tactus::timing {
 namespace {
 
 constexpr double kWarmUp_s = 1, kGrace_s = 0.5;
+constexpr double kViewerRounds = 2;  // after the warm-up: a window with the viewer and one without
 constexpr std::uint32_t kSettleTicks = 10;
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
 // Margin for cyclictest to start and end within its window.
@@ -36,16 +37,17 @@ void stay_on(const std::vector<int>& cpus) {
 loop::WindowPlan windows_of(const TimingOptions& o) {
   const auto deadlines = [&](double s) { return static_cast<std::uint64_t>(std::llround(s * o.run.rate_Hz)); };
   if (o.against_cyclictest) return {deadlines(kAgainstWindow_s), 0, deadlines(kAgainstWindow_s)};
+  if (o.with_viewer) return {deadlines(o.window_s), 0, deadlines(kViewerRest_s)};
   return {deadlines(o.window_s), o.bare ? deadlines(o.window_s) : 0, 0};
 }
 
-// Moves records from the ring to the statistics, samples the machine, and runs cyclictest on the core while the loop
-// pauses.
+// Moves records from the ring to the statistics and samples the machine. While the loop pauses it runs cyclictest on
+// the core, or lets the watcher come or go.
 class Watcher {
  public:
-  // `noise` may be null.
-  Watcher(const TimingOptions& options, loop::TickProbe& probe, OsNoise* noise, TimingResult& result)
-      : options_(options), probe_(probe), noise_(noise), result_(result), thread_([this] {
+  // `noise` may be null; `visitor` may be empty.
+  Watcher(loop::TickProbe& probe, OsNoise* noise, const WindowWatcher& visitor, TimingResult& result)
+      : options_(result.options), probe_(probe), noise_(noise), visitor_(visitor), result_(result), thread_([this] {
           if (const Status thrown = caught([this] { watch(); }); !thrown.ok()) status_ = thrown;
         }) {}
   ~Watcher() { stop(); }
@@ -59,12 +61,16 @@ class Watcher {
  private:
   void watch() {
     stay_on(cores_without(options_.run.cpu));
+    if (options_.with_viewer) result_.viewer.begin(WatchedWindows::Kind::kUnwatched, visitor_.counts());
     while (!done_.load(std::memory_order_relaxed)) {
+      const bool rests = probe_.resting_until_ns() != 0;  // before look(): the records of the window are in the ring
       look();
-      if (options_.against_cyclictest && probe_.resting_until_ns() != 0) measure_cyclictest();
+      if (rests && options_.against_cyclictest) measure_cyclictest();
+      if (rests && options_.with_viewer) change_viewer();
       std::this_thread::sleep_for(kLookEvery);
     }
     look();
+    if (options_.with_viewer) end_viewer();
     result_.books.finish();
     result_.records_lost = probe_.ring().dropped();
   }
@@ -77,11 +83,43 @@ class Watcher {
     while (probe_.ring().try_pop(record, std::as_writable_bytes(std::span<loop::TickTimes, 1>(&times, 1))) ==
            Pop::kRecord) {
       if (record.kind == loop::kLoopTimes)
-        result_.books.add_loop(times);
+        add_loop(times);
       else
         result_.books.add_bare(times);
     }
     result_.books.add_look(now);
+  }
+
+  void add_loop(const loop::TickTimes& times) {
+    const std::uint64_t counted = result_.books.ticks;
+    result_.books.add_loop(times);
+    if (options_.with_viewer && result_.books.ticks > counted) result_.viewer.add(times);
+  }
+
+  // A window has ended: for the next one the viewer comes, or goes.
+  void change_viewer() {
+    if (!status_.ok()) return;
+    result_.viewer.end(visitor_.counts());
+    const bool watches = !watched_;
+    if (watches)
+      status_ = visitor_.attach();
+    else
+      visitor_.detach();
+    watched_ = watches;
+    await_end_of_rest();
+    look();  // ticks before this moment are of no window, where the viewer took longer than the rest
+    result_.viewer.begin(watches ? WatchedWindows::Kind::kWatched : WatchedWindows::Kind::kUnwatched,
+                         visitor_.counts());
+  }
+
+  void end_viewer() {
+    result_.viewer.end(visitor_.counts());
+    if (watched_) visitor_.detach();
+  }
+
+  void await_end_of_rest() const {
+    while (probe_.resting_until_ns() != 0 && !done_.load(std::memory_order_relaxed))
+      std::this_thread::sleep_for(kLookEvery);
   }
 
   void measure_cyclictest() {
@@ -96,15 +134,15 @@ class Watcher {
     run.seconds = seconds - kCyclictestSpare_s + (left_ns % 1'000'000'000 > 500'000'000 ? 1 : 0);
     if (const Status status = run_cyclictest(run, kSettleTicks, result_.cyclictest_wake); !status.ok())
       status_ = status;
-    // The rest of the rest: not a second time.
-    while (probe_.resting_until_ns() != 0 && !done_.load(std::memory_order_relaxed))
-      std::this_thread::sleep_for(kLookEvery);
+    await_end_of_rest();  // not a second time
   }
 
   const TimingOptions& options_;
   loop::TickProbe& probe_;
   OsNoise* noise_;
+  const WindowWatcher& visitor_;
   TimingResult& result_;
+  bool watched_{false};
   Status status_{Status::good()};
   std::atomic<bool> done_{false};
   std::thread thread_;  // last: it uses the others
@@ -135,6 +173,22 @@ void keep_unforced(TimingOptions& o) {
   o.bare = false;
 }
 
+Status check_viewer(const TimingOptions& o) {
+  if (o.against_cyclictest)
+    return Status::error("--with-viewer: its windows are cyclictest's with --against; accepted: without it");
+  const auto choice = hal::choose_device(o.run.device);
+  if (choice.ok() && choice.value().device_class->real)
+    return Status::error(
+        fmt::format("--with-viewer: {} misses commands in the pauses; accepted: with --device sim", o.run.device));
+  const double least_s = (std::ceil(kWarmUp_s / o.window_s) + kViewerRounds) * (o.window_s + kViewerRest_s);
+  if (o.duration_s < least_s)
+    return Status::error(fmt::format(
+        "--duration: {:g} s have no window of {:g} s with and without a viewer; accepted: from {:g} s, with "
+        "--with-viewer",
+        o.duration_s, o.window_s, least_s));
+  return Status::good();
+}
+
 }  // namespace
 
 Status check(const TimingOptions& o) {
@@ -150,11 +204,14 @@ Status check(const TimingOptions& o) {
   if (o.against_cyclictest && choice.ok() && choice.value().device_class->real)
     return Status::error(
         fmt::format("--against: {} misses commands in the pauses; accepted: with --device sim", o.run.device));
+  if (o.with_viewer)
+    if (const Status status = check_viewer(o); !status.ok()) return status;
   return session::check_options(o.run);
 }
 
 std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingProgress& progress,
-                                       const std::atomic<bool>& stop, TimingProblem& problem) {
+                                       const std::atomic<bool>& stop, TimingProblem& problem,
+                                       const WindowWatcher& visitor) {
   TimingOptions options = given;
   if (options.run.cpu < 0) options.run.cpu = cores_without(-1).back();
   keep_unforced(options);
@@ -184,6 +241,13 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
   if (!hardware.ok()) return fail(false, hardware.message());
   auto session = session::Session::create(std::move(*scene), options.run, std::move(hardware).value());
   if (!session.ok()) return fail(true, session.message());
+  stay_on(cores_without(options.run.cpu));  // for this thread and those that it starts; the haptic thread pins itself
+  session::RealtimeTaps taps;
+  if (options.with_viewer) {
+    const auto prepared = visitor.prepare(*session.value());
+    if (!prepared.ok()) return fail(false, prepared.message());
+    taps = prepared.value();
+  }
   // The real loop has its flight recorder.
   if (const Status status = session.value()->record(""); !status.ok()) return fail(false, status.message());
 
@@ -195,17 +259,18 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
                       .rows = {},
                       .cyclictest_wake = {},
                       .records_lost = 0,
-                      .scene_text = scene_text};
+                      .scene_text = scene_text,
+                      .viewer = {}};
   loop::TickProbe probe(plan);
   session::RealtimeHooks hooks;
   hooks.probe = &probe;
+  hooks.taps = taps;
   hooks.show = [&](const session::LiveStatus& live, double elapsed_s) {
     if (progress) progress(std::min(1.0, elapsed_s / options.duration_s), live);
     // If deadlines are skipped, the ticks would take longer than requested.
     return elapsed_s < options.duration_s + kGrace_s;
   };
-  stay_on(cores_without(options.run.cpu));  // for this thread and those that it starts; the haptic thread pins itself
-  Watcher watcher(options, probe, noise.get(), result);
+  Watcher watcher(probe, noise.get(), visitor, result);
   auto summary = session::run_realtime(*session.value(), hooks, stop);
   watcher.stop();
   if (!summary.ok()) return fail(false, summary.message());

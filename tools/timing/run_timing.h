@@ -13,6 +13,7 @@
 #include "tools/timing/load.h"
 #include "tools/timing/tick_statistics.h"
 #include "tools/timing/verdict.h"
+#include "tools/timing/watched_windows.h"
 
 namespace tactus::timing {
 
@@ -25,9 +26,11 @@ struct TimingOptions {
   LoadKind load{LoadKind::kNone};
   bool os_noise{false};            // read the kernel's osnoise events
   bool against_cyclictest{false};  // instead of the bare timer, in windows of 10 s
+  bool with_viewer{false};         // instead of the bare timer: a watcher in every second window
 };
 
 inline constexpr double kAgainstWindow_s = 10;
+inline constexpr double kViewerRest_s = 1;  // in which the watcher comes or goes
 
 struct TimingResult {
   TimingOptions options;
@@ -36,7 +39,8 @@ struct TimingResult {
   std::vector<VerdictRow> rows;
   Histogram cyclictest_wake;  // empty without it
   std::uint64_t records_lost{0};
-  std::string scene_text;  // what was run
+  std::string scene_text;   // what was run
+  WatchedWindows viewer{};  // empty without one
 
   TimingVerdict verdict() const { return verdict_of(rows); }
 };
@@ -52,8 +56,9 @@ using TimingProgress = std::function<void(double share, const session::LiveStatu
 // Checks ranges. Error, one line: the option, what was given, what is accepted.
 Status check(const TimingOptions& options);
 
-// Empty on an error: see `problem`.
+// Empty on an error: see `problem`. `watcher`: of `with_viewer`.
 std::optional<TimingResult> run_timing(const TimingOptions& options, const TimingProgress& progress,
-                                       const std::atomic<bool>& stop, TimingProblem& problem);
+                                       const std::atomic<bool>& stop, TimingProblem& problem,
+                                       const WindowWatcher& watcher = {});
 
 }  // namespace tactus::timing

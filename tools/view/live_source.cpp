@@ -37,6 +37,11 @@ LiveSource::LiveSource(std::filesystem::path socket, std::unique_ptr<publication
       real_device_(controller_->settings().options.device != "sim"),
       hand_id_(random_id()) {}
 
+std::string LiveSource::hand() const {
+  const session::RunOptions& options = controller_->settings().options;
+  return options.hands > 1 ? fmt::format("hand {} of {}", options.hand + 1, options.hands) : std::string();
+}
+
 ViewSource::News LiveSource::look(std::size_t, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) {
   News news;
   news.lost = controller_->watcher().read_ticks(ticks, kMaxTicks);

@@ -25,6 +25,7 @@ class LiveSource final : public ViewSource {
   // From now on a fault's tape is served, with these files.
   void show_faults(std::map<std::string, std::string> files) { fault_viewer_.emplace(std::move(files)); }
 
+  std::string hand() const override;
   const std::string& scene(std::size_t) const override { return scene_; }
   News look(std::size_t view, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) override;
   bool ended() override { return controller_->ended(); }

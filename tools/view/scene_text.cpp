@@ -95,6 +95,8 @@ std::string scene_text(const sim::Scene& scene, const session::TapeSettings& set
                                   {"rotation", list_of(body.motion.pose.rotation)},
                                   {"label", sim::body_label(scene, body.id)}});
   }
+  ordered_json other_proxies = ordered_json::array();
+  for (unsigned hand = 1; hand < scene.hands(); ++hand) other_proxies.push_back(scene.more_hands[hand - 1].proxy);
   for (const Channel& channel : kChannels) channels.push_back({{"name", channel.name}, {"unit", channel.unit}});
   const session::RunOptions& o = settings.options;
   const std::string title =
@@ -114,6 +116,7 @@ std::string scene_text(const sim::Scene& scene, const session::TapeSettings& set
                                 {"virtual_time", o.virtual_time},
                                 {"members_cap", o.members != 0 ? o.members : scene.members},
                                 {"proxy", scene.proxy},
+                                {"other_proxies", other_proxies},
                                 {"reach_m", reach_of(scene, o)},
                                 {"channels", channels},
                                 {"shapes", shapes},

@@ -25,6 +25,8 @@ class ViewSource {
 
   // Worlds that are shown beside each other; `view` below counts them.
   virtual std::size_t views() const { return 1; }
+  // Whose run it is, as "hand 1 of 2"; empty where there is one hand.
+  virtual std::string hand() const { return {}; }
   // The first message of a page (scene_text.h).
   virtual const std::string& scene(std::size_t view) const = 0;
 

@@ -1,6 +1,8 @@
 // The world outside of the sub-world follows from a tape: stepped again, it sends the taped snapshots, byte by byte.
 #include "tools/session/world_rebuilder.h"
 
+#include <filesystem>
+
 #include "tests/support/temporary_file.h"
 #include "tests/system/session_bench.h"
 
@@ -57,17 +59,38 @@ std::string record_run(const TemporaryFile& tape, const std::string& scene, sess
   return tape.path();
 }
 
+void check_rebuilt(const std::string& scene, std::uint64_t ticks, std::uint64_t least_snapshots) {
+  INFO(scene);
+  const TemporaryFile tape;
+  const Rebuilt rebuilt = rebuild(record_run(tape, scene, virtual_options(), ticks));
+  CHECK(rebuilt.error == "");
+  CHECK(rebuilt.taped > least_snapshots);
+  CHECK(rebuilt.snapshots == rebuilt.taped);
+}
+
 }  // namespace
 
 TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, on every kind of scene") {
-  const std::string scene = GENERATE("card_house.toml", "chain.toml", "domino_row.toml", "pile250.toml", "stones.toml",
-                                     "terrain.toml", "tower.toml", "wall.toml", "workshop.toml");
-  INFO(scene);
-  const TemporaryFile tape;
-  const Rebuilt rebuilt = rebuild(record_run(tape, scene, virtual_options(), 1500));
-  CHECK(rebuilt.error == "");
-  CHECK(rebuilt.taped > 100);
-  CHECK(rebuilt.snapshots == rebuilt.taped);
+  const std::string scene = GENERATE("card_house.toml", "chain.toml", "cups.toml", "domino_row.toml", "free.toml",
+                                     "incline.toml", "peg_in_shaft.toml", "pile250.toml", "press.toml", "stack20.toml",
+                                     "stones.toml", "terrain.toml", "tower.toml", "wall.toml", "workshop.toml");
+  check_rebuilt(scene, 1500, 100);
+}
+
+TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, in large heaps") {
+  const std::string scene = GENERATE("pile700.toml", "pile5000.toml");
+  check_rebuilt(scene, 450, 20);
+}
+
+TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, of 50 thousand bodies", "[.long]") {
+  check_rebuilt("heaps50k.toml", 450, 20);
+}
+
+TEST_CASE("every scene is among those whose world is rebuilt") {
+  std::size_t scenes = 0;
+  for (const auto& file : std::filesystem::directory_iterator(TACTUS_SOURCE_DIR "/sim/scenes"))
+    if (file.path().extension() == ".toml") ++scenes;
+  CHECK(scenes == 15 + 2 + 1);
 }
 
 TEST_CASE("the world is rebuilt whatever the coupling, the precision, a late world and a reset") {

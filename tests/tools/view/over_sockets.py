@@ -175,13 +175,17 @@ class OverSockets(unittest.TestCase):
 
     def test_a_viewer_that_is_killed_or_hangs_is_nothing_to_the_run(self):
         other = Viewer(self.run_)
+        watched = Page(other)
+        self.pages.append(watched)
+        while not isinstance(watched.message(), bytes):
+            pass
         os.kill(other.process.pid, signal.SIGSTOP)
         page = self.page()
         self.assertEqual(page.status, 101)
         self.viewer.process.kill()
         self.viewer.process.communicate()
         before = self.run_.ask("state")["ticks"]
-        wait_for(lambda: self.run_.ask("state")["ticks"] > before + 1000, "ticks")
+        wait_for(lambda: self.run_.ask("state")["ticks"] > before + 5000, "ticks")
         os.kill(other.process.pid, signal.SIGCONT)
         other.process.kill()
         other.process.communicate()
@@ -299,6 +303,34 @@ class OverSockets(unittest.TestCase):
         self.run_.process.kill()
         self.run_.process.communicate()
         self.answer(page, "ended")
+
+    def test_timing_has_windows_with_a_viewer_and_without_in_turns(self):
+        self.viewer.end()
+        self.run_.end()
+        done = subprocess.run([PROGRAM, "timing", "--with-viewer", "--window", "0.5", "--duration", "9", "--members", "8", "--priority", "0",
+                               "--json"], capture_output=True, text=True, timeout=3 * PATIENCE_S, check=False)
+        self.assertIn(done.returncode, (0, 1), done.stderr)  # 1: the verdict on this machine's times
+        viewer = json.loads(done.stdout)["viewer"]
+        for side in ("with", "without"):
+            self.assertGreaterEqual(viewer[side]["windows"], 1, side)
+            for times in ("wake", "execution"):
+                self.assertEqual(viewer[side][times]["count"], viewer[side]["ticks"])
+        self.assertGreater(viewer["with"]["frames"], 0)
+        self.assertEqual(viewer["without"]["frames"], 0)
+        for ratio in ("wake_ratio_p50", "wake_ratio_p99", "execution_ratio_p50", "execution_ratio_p99"):
+            self.assertGreater(viewer[ratio], 0)
+
+    def test_a_socket_that_one_may_not_write_to_is_one_line(self):
+        os.chmod(self.run_.socket, 0)
+        # Root may write to any: without that right it is a user as others are.
+        without_right = ["setpriv", "--bounding-set=-dac_override", "--inh-caps=-dac_override"] if os.geteuid() == 0 else []
+        done = subprocess.run([*without_right, PROGRAM, "view", "--socket", self.run_.socket], capture_output=True, text=True,
+                              timeout=PATIENCE_S, check=False)
+        os.chmod(self.run_.socket, 0o660)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+        self.assertIn("this user may not ask there", done.stderr)
+        self.assertIn(self.run_.socket, done.stderr)
 
     def test_what_is_missing_is_one_line(self):
         for options, says in ((["--socket", "/nowhere.sock"], "no run answers there"),

@@ -5,7 +5,6 @@ import json
 import os
 import re
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
@@ -14,12 +13,10 @@ import unittest
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import in_browser  # noqa: E402
-from watched_run import SCENES, Page, TapeViewer, skip, wait_for  # noqa: E402
+from watched_run import MEMBER, SCENES, TapeViewer, first_frame, graph_of, skip, wait_for  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv.pop(1)) if __name__ == "__main__" else ""
 
-
-MEMBER = 2  # a bit of a role
 CARDS = os.path.join(SCENES, "card_house.toml")
 FAULT = ["--inject", "lost@1500+500"]  # the device is silent for half a second
 
@@ -103,31 +100,74 @@ class Tapes(unittest.TestCase):
         wait_for(lambda: "The world outside is rebuilt: " in self.text("note"), "rebuilt world")
         self.scrub(2.0)
         self.picture()
-        edges, bodies = self.contacts_near_members()
+        edges, bodies, _ = graph_of(self.viewer)
         self.assertGreater(len(edges), 10)
         graph = lambda name: set(self.browser.execute_script(  # noqa: E731
             "return [...document.querySelectorAll(`#graph [${arguments[0]}]`)].map((e) => e.getAttribute(arguments[0]))", name))
         wait_for(lambda: graph("data-edge") == edges, f"edges {edges}")
         self.assertEqual(graph("data-body"), bodies)
 
-    def contacts_near_members(self):
-        """Of the viewer's present moment, by another page's first frame: contacts of moving bodies of which one is a member, or
-        both touch one; and their bodies."""
-        page = Page(self.viewer)
-        scene = json.loads(page.message())
-        while not isinstance(message := page.message(), bytes) or not struct.unpack_from("<I", message, 60)[0] & 1:
-            pass
-        page.close()
-        count, roles, ticks, contacts = struct.unpack_from("<4I", message, 24)
-        moving = [i for i, body in enumerate(scene["bodies"]) if not body["fixed"]]
-        self.assertEqual((count, roles), (len(moving), len(moving)))
-        at = 64 + 20 * count
-        role = {moving[word & 0xffffff]: word >> 24 for (word,) in struct.iter_unpack("<I", message[at:at + 4 * roles])}
-        at += 4 * roles + 96 * ticks
-        pairs = {pair for *_, a, b in struct.iter_unpack("<6f2I", message[at:at + 32 * contacts])
-                 if {a, b} <= set(moving) for pair in [(a, b)]}
-        near = {scene["proxy"]} | {body for pair in pairs if any(role[one] & MEMBER for one in pair) for body in pair}
-        return {f"{a},{b}" for a, b in pairs if {a, b} <= near}, {str(body) for body in near}
+    def test_1c_what_is_scrubbed_to_is_what_playing_shows(self):
+        """Played to a moment, then the same moment from before and from after it: figures and picture."""
+        self.open(self.a, "--link", "at=1.6&pace=0.3")
+        wait_for(lambda: "The world outside is rebuilt: " in self.text("note"), "rebuilt world")
+        wait_for(lambda: self.text("time") == "1.600", "beginning")
+        self.click("play")
+        wait_for(lambda: float(self.text("time")) > 1.75, "a moment of playing")
+        self.click("play")
+        wait_for(lambda: self.browser.find_element("css selector", "[data-time=play]").text == "play", "pause")
+        played = self.stands()
+        time_s = float(played[0])
+        self.assertLess(time_s, 3)
+        for elsewhere_s in (0.5, 2.9):
+            self.scrub(elsewhere_s)
+            self.scrub(time_s)
+            self.assertEqual(self.stands(), played)
+
+    def stands(self):
+        """Figures, bodies' moment and picture, once they are the same twice."""
+        look = lambda: (*(self.text(name) for name in ("time", "force", "members", "contacts")), self.canvas()["world_s"], self.picture())  # noqa: E731
+        return wait_for(lambda: (one := look()) == look() and one, "still picture")
+
+    def test_1d_after_scrubbing_back_time_does_not_run_backwards(self):
+        self.open(self.a)
+        self.scrub(2.0)
+        wait_for(lambda: self.text("share") == "0.00", "share of a tape that stands still")
+        self.browser.execute_script(
+            "window.shares = []; const e = document.getElementById('share');"
+            " new MutationObserver(() => window.shares.push(e.textContent)).observe(e, {childList: true, characterData: true, subtree: true})")
+        self.scrub(0.5)
+        shares = wait_for(lambda: (all_ := self.browser.execute_script("return window.shares")) and all_[-1] == "0.00" and all_, "share")
+        self.assertEqual(shares, ["–", "0.00"])
+
+    def test_1e_what_is_pointed_at_is_named_as_it_is_now(self):
+        """A part of the workshop that the tool meets: a member then, and none before."""
+        path = os.path.join(self.folder, "workshop.tape")
+        subprocess.run([PROGRAM, "run", os.path.join(SCENES, "workshop.toml"), "--virtual-time", "--duration", "2", "--record", path],
+                       check=True, capture_output=True)
+        self.open(path)
+        wait_for(lambda: "The world outside is rebuilt: " in self.text("note"), "rebuilt world")
+        self.scrub(0.002)
+        _, early, _ = first_frame(self.viewer)
+        for time_s in (0.8, 1.1, 1.4, 1.7):
+            self.scrub(time_s)
+            self.picture()
+            _, late, _ = first_frame(self.viewer)
+            _, nodes, _ = graph_of(self.viewer)
+            if met := [int(node) for node in nodes if late[int(node)] & MEMBER and not early[int(node)] & MEMBER]:
+                break
+        body, = met[:1]
+        node = f'#graph [data-body="{body}"]'
+        wait_for(lambda: self.browser.execute_script("return document.querySelector(arguments[0])", node), "body in the graph")
+        self.browser.execute_script(
+            "document.querySelector(arguments[0]).dispatchEvent(new PointerEvent('pointerover', {bubbles: true}))", node)
+        wait_for(lambda: "member" in self.text("hover"), "name")
+        # Its edges are no border's.
+        look = lambda: self.browser.execute_script("return document.getElementById('canvas').look(arguments[0])", body)  # noqa: E731
+        wait_for(lambda: look()["edge"] == "#0000ff", "edges of what is pointed at")
+        self.assertIn("pointed at: blue edges", self.text("legend"))
+        self.scrub(0.002)
+        wait_for(lambda: "member" not in self.text("hover"), "role of this moment")
 
     def test_2_a_link_brings_the_view_back(self):
         self.open(self.a)
@@ -145,6 +185,16 @@ class Tapes(unittest.TestCase):
         self.assertEqual(self.browser.execute_script("return document.getElementById('signal').value"), "2")
         self.assertEqual(self.canvas()["arrows"], "0")
         wait_for(lambda: self.browser.current_url.endswith("&" + link), "the same view: camera, moment, signal, layers")
+
+    def test_2b_what_a_link_may_not_say_is_left_out_and_said(self):
+        self.open(self.a, "--link", "signal=99&window=7&pace=-1&eye=1,2&scale=1&hide=all&fly=1&at=1.5")
+        wait_for(lambda: self.text("time") == "1.500", "what is right in it")
+        chosen = self.browser.execute_script("return ['signal', 'window', 'pace'].map((name) => document.getElementById(name).value)")
+        self.assertEqual(chosen, ["0", "10", "1"])
+        lines = self.text("answer").split(" · ")
+        self.assertEqual([line.split(" is left out; accepted: ")[0] for line in lines],
+                         [f"link: {word}" for word in ("pace=-1", "signal=99", "window=7", "eye=1,2", "scale=1", "hide=all", "fly=1")])
+        wait_for(lambda: "signal=0&window=10&" in self.browser.current_url and "fly" not in self.browser.current_url, "address")
 
     def test_3_two_tapes_keep_step(self):
         self.open(self.a, "--beside", self.b)

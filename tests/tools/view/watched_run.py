@@ -69,7 +69,8 @@ class Published:
         self.frames_at, self.stride, self.bodies = head[7], head[8], head[12]
 
     def frame(self):
-        """The newest: its time, and x y z, w x y z of each moving body; None where there is none yet or it was overtaken."""
+        """The newest: its time, x y z and w x y z of each moving body, and their roles; None where there is none yet or it was
+        overtaken."""
         frames, = struct.unpack_from("<Q", self.memory, 128)
         if frames == 0:
             return None
@@ -81,7 +82,12 @@ class Published:
         positions = struct.iter_unpack("<3f", slot[48:48 + 12 * bodies])
         turns_at = 48 + (12 * bodies + 7) // 8 * 8
         rotations = struct.iter_unpack("<4h", slot[turns_at:turns_at + 8 * bodies])
-        return time_s, [(place, [part / 32767 for part in turn]) for place, turn in zip(positions, rotations)]
+        roles = list(slot[turns_at + 8 * bodies:turns_at + 9 * bodies])
+        return time_s, [(place, [part / 32767 for part in turn]) for place, turn in zip(positions, rotations)], roles
+
+    def standing(self):
+        """The newest frame, once it is the newest twice."""
+        return (one := self.frame()) and (two := self.frame()) and one == two and one
 
     def close(self):
         self.memory.close()
@@ -101,6 +107,7 @@ class ViewedRun:
     def viewer_line(self):
         for line in self.process.stderr:
             if "http://" in line:
+                self.line = line
                 return line[line.index("http://"):].strip()
         raise AssertionError("no address")
 
@@ -215,6 +222,43 @@ class Page:
 
     def close(self):
         self.socket.close()
+
+
+MEMBER = 2  # a bit of a role
+
+
+def first_frame(viewer):
+    """Of the viewer's present moment, by another page's first frame: the scene, each moving body's role by id, and the pairs of
+    moving bodies in contact."""
+    page = Page(viewer)
+    scene = json.loads(page.message())
+    while not isinstance(message := page.message(), bytes) or not struct.unpack_from("<I", message, 60)[0] & 1:
+        if isinstance(message, bytes):
+            page.send(json.dumps({"ack": struct.unpack_from("<I", message, 8)[0]}))
+    page.close()
+    count, roles, ticks, contacts = struct.unpack_from("<4I", message, 24)
+    moving = [i for i, body in enumerate(scene["bodies"]) if not body["fixed"]]
+    assert (count, roles) == (len(moving), len(moving)), (count, roles, len(moving))
+    at = 64 + 20 * count
+    role = {moving[word & 0xffffff]: word >> 24 for (word,) in struct.iter_unpack("<I", message[at:at + 4 * roles])}
+    at += 4 * roles + 96 * ticks
+    known = set(moving)
+    pairs = {pair for *_, a, b in struct.iter_unpack("<6f2I", message[at:at + 32 * contacts]) if {a, b} <= known for pair in [(a, b)]}
+    return scene, role, pairs
+
+
+def graph_of(viewer):
+    """What the graph is to show of the viewer's present moment, as the page names them: contacts of bodies that contacts connect
+    to the proxy, of which one is a member or both touch one; those bodies; and the number of members that are not among them."""
+    scene, role, pairs = first_frame(viewer)
+    linked, found = {scene["proxy"]}, True
+    while found:
+        found = {body for pair in pairs if linked & set(pair) for body in pair} - linked
+        linked |= found
+    near = {scene["proxy"]} | {body for pair in pairs if any(role[one] & MEMBER for one in pair) for body in pair}
+    shown = near & linked
+    unlinked = sum(1 for body, bits in role.items() if bits & MEMBER and body not in shown)
+    return {f"{a},{b}" for a, b in pairs if {a, b} <= shown}, {str(body) for body in shown}, unlinked
 
 
 def note_of(viewer):

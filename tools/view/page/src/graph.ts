@@ -1,7 +1,7 @@
 // The contact graph, as in the paper's Fig. 2: the proxy at the top, bodies in layers by contacts from it. Members are
 // filled, the border is ringed, an edge is as thick as the force in it. Of the bodies outside those are shown that touch
-// a member, hollow.
-import { kLegend } from "./scene3d";
+// a member, hollow, and the proxy of another hand, filled and ringed.
+import { kindOf, kLegend, kPointedAt } from "./scene3d";
 import { Role } from "./wire";
 import type { World } from "./world";
 
@@ -64,11 +64,16 @@ export class Graph {
     return near;
   }
 
+  // Members that contacts do not connect to the proxy: they are not drawn here.
+  unlinked = 0;
+
   draw(highlighted: number): void {
     const edges = edgesOf(this.world), near = this.nearMembers(edges);
     const layers = layersOf(edges, this.world.scene.proxy)
       .map((layer) => layer.filter((body) => near.has(body)))
       .filter((layer) => layer.length > 0);
+    const drawn = new Set(layers.flat());
+    this.unlinked = this.world.moving.filter((body, i) => (this.world.roles[i]! & Role.member) !== 0 && !drawn.has(body)).length;
     const width = this.svg.clientWidth || 400, height = this.svg.clientHeight || 250;
     const at = new Map<number, [number, number]>();
     let left = kMostNodes;
@@ -91,12 +96,11 @@ export class Graph {
       add("line", { x1: from[0], y1: from[1], x2: to[0], y2: to[1], stroke: "#777", "stroke-width": thickness.toFixed(2), "data-edge": `${a},${b}` });
     }
     for (const [body, [x, y]] of at) {
-      const role = this.world.roles[this.world.indexOf[body]!]!;
-      const kind = (role & Role.proxy) !== 0 ? 0 : (role & Role.border) !== 0 ? 2 : (role & Role.member) !== 0 ? 1 : 3;
-      const colour = kLegend[kind]!.colour;
+      const i = this.world.indexOf[body]!, look = kLegend[kindOf(this.world.roles[i]!, this.world.isOtherProxy[i]!)];
+      const pointed = body === highlighted, ring = pointed ? kPointedAt.edge : look.edge || look.colour;
       add("circle", {
-        cx: x.toFixed(1), cy: y.toFixed(1), r: body === highlighted ? 9 : 6, "data-body": body,
-        fill: kind === 3 ? "#fff" : colour, stroke: kind === 2 || body === highlighted ? "#000" : colour, "stroke-width": kind === 1 ? 1 : 2.5,
+        cx: x.toFixed(1), cy: y.toFixed(1), r: pointed ? 9 : 6, "data-body": body,
+        fill: look.see_through ? "#fff" : look.colour, stroke: ring, "stroke-width": ring === look.colour && !look.see_through ? 1 : 2.5,
       });
     }
     this.svg.replaceChildren(...parts);

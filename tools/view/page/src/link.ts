@@ -15,23 +15,52 @@ export interface Link {
   draw?: number; // 0: nothing is drawn, to measure what is taken
 }
 
+// What each word may be; others are left out.
+export interface Accepted {
+  signals: number; // 0 to this, without it
+  windows: number[]; // s
+  layers: readonly string[];
+}
+// m: a camera farther away sees nothing of the scenes that are possible.
+const kFarthest_m = 1e4;
+
 export function tokenOf(hash: string): string {
   return hash.slice(1).split("&")[0] ?? "";
 }
 
-export function linkOf(hash: string): Link {
+// `wrong`: a line for each word that is left out.
+export function linkOf(hash: string, accepted: Accepted): { link: Link; wrong: string[] } {
   const words = new URLSearchParams(hash.slice(1).split("&").slice(1).join("&"));
-  const number = (name: string): number | undefined => {
+  const wrong: string[] = [];
+  const refuse = (name: string, what: string): undefined => {
+    wrong.push(`link: ${name}=${words.get(name)} is left out; accepted: ${what}`);
+    return undefined;
+  };
+  const number = (name: string, what: string, good: (value: number) => boolean): number | undefined => {
     const word = words.get(name);
-    return word === null || word === "" || !Number.isFinite(Number(word)) ? undefined : Number(word);
+    if (word === null) return undefined;
+    return word !== "" && Number.isFinite(Number(word)) && good(Number(word)) ? Number(word) : refuse(name, what);
   };
   const vector = (name: string): Vector | undefined => {
-    const list = (words.get(name) ?? "").split(",").map(Number);
-    return list.length === 3 && list.every(Number.isFinite) ? (list as Vector) : undefined;
+    if (!words.has(name)) return undefined;
+    const list = words.get(name)!.split(",").map((word) => (word === "" ? NaN : Number(word)));
+    return list.length === 3 && list.every((value) => Math.abs(value) <= kFarthest_m) ? (list as Vector) : refuse(name, "x,y,z in m");
   };
-  const hide = words.get("hide");
-  const link: Link = { at: number("at"), pace: number("pace"), signal: number("signal"), window: number("window"), eye: vector("eye"), look: vector("look"), scale: number("scale"), draw: number("draw") };
-  return hide === null ? link : { ...link, hide: hide.split(",") };
+  const { signals, windows, layers } = accepted;
+  const hide = words.get("hide")?.split(",");
+  const link: Link = {
+    at: number("at", "seconds, from 0", (value) => value >= 0),
+    pace: number("pace", "0.01 to 100, or 0 for as fast as it goes", (value) => value === 0 || (value >= 0.01 && value <= 100)),
+    signal: number("signal", `0 to ${signals - 1}`, (value) => Number.isInteger(value) && value >= 0 && value < signals),
+    window: number("window", `${windows.join(", ")} s`, (value) => windows.includes(value)),
+    eye: vector("eye"),
+    look: vector("look"),
+    scale: number("scale", "-4 to 0", (value) => value >= -4 && value <= 0),
+    draw: number("draw", "0 or 1", (value) => value === 0 || value === 1),
+    hide: hide === undefined ? undefined : hide.every((name) => name === "none" || layers.includes(name)) ? hide : refuse("hide", `none, ${layers.join(", ")}`),
+  };
+  for (const name of new Set(words.keys())) if (!(name in link)) refuse(name, Object.keys(link).join(", "));
+  return { link, wrong };
 }
 
 export function hashOf(token: string, link: Link): string {

@@ -6,7 +6,7 @@ import type { Pose } from "./led_hand";
 import { hashOf, type Link, linkOf, tokenOf } from "./link";
 import { type Judged, Player, type TapeState } from "./player";
 import { forceAge_us, kSignals, Plots } from "./plots";
-import { kLegend, type Layers } from "./scene3d";
+import { kLegend, kPointedAt, type Layers } from "./scene3d";
 import { Pointer } from "./pointer";
 import { type Listener, type Said, Stream } from "./stream";
 import { Ticks } from "./ticks";
@@ -62,7 +62,8 @@ class Page implements Listener {
   private readonly lag = new Lag();
   private besideTicks: Ticks | null = null;
   private layers: Layers;
-  private link: Link = linkOf(location.hash);
+  private readonly link: Link;
+  private readonly wrongLink: string[];
   private isTape = false;
   private hovered = -1;
   private drawn = "";
@@ -75,6 +76,10 @@ class Page implements Listener {
 
   constructor(private readonly token: string) {
     this.layers = layersOf(this.form);
+    const windows = [...element<HTMLSelectElement>("window").options].map((option) => Number(option.value));
+    const { link, wrong } = linkOf(location.hash, { signals: kSignals.length, windows, layers: kLayers });
+    this.link = link;
+    this.wrongLink = wrong;
     this.player = new Player((ask, value) => this.ask(ask, value));
     this.main = new Stream("run", token, element("canvas"), this);
   }
@@ -107,7 +112,7 @@ class Page implements Listener {
     this.pointer = new Pointer(element<HTMLCanvasElement>("canvas"), stream.view, (message) => stream.send(message), (event_ms) => this.lag.moved(event_ms, this.plots!.ticks));
     element<HTMLElement>("hand").hidden = scene.device !== "sim";
     // For the console, and for tests: what the picture has.
-    Object.assign(element<HTMLCanvasElement>("canvas"), { drawn: (body: number) => stream.view.drawn(body) });
+    Object.assign(element<HTMLCanvasElement>("canvas"), { drawn: (body: number) => stream.view.drawn(body), look: (body: number) => stream.view.look(body), taken: () => stream.frames });
     requestAnimationFrame((now) => this.draw(now));
   }
 
@@ -116,7 +121,11 @@ class Page implements Listener {
       if (restarts) this.besideTicks?.restart();
       return this.besideTicks?.take(values, () => undefined);
     }
-    if (restarts) this.plots!.restart();
+    if (restarts) {
+      this.plots!.restart();
+      this.pace = { wall_ms: NaN, time_s: NaN }; // between two places of a tape there is none
+      say("share", "–");
+    }
     this.plots!.take(values);
     this.lag.look(this.plots!.ticks, stream.tickAge_us, performance.now());
     say("dropped", String(stream.dropped));
@@ -128,7 +137,7 @@ class Page implements Listener {
     if (message.kind === "tape") this.takeTape(message as unknown as TapeState);
     else if (message.kind === "state") this.takeState(message as unknown as RunState);
     else if (message.kind === "version") say("state", "this page is of another version than the viewer: reload it");
-    else if (message.kind === "ended") say("state", "the run is over");
+    else if (message.kind === "ended") this.ended("the run is over");
     else if (message.said !== "") say("answer", message.said ?? "");
   }
 
@@ -140,7 +149,14 @@ class Page implements Listener {
   }
 
   closed(ended: boolean): void {
-    say("state", ended ? "the run is over" : "not connected: a wrong address, four pages already, or the viewer has ended");
+    this.ended(ended ? "the run is over" : "not connected: a wrong address, four pages already, or the viewer has ended");
+  }
+
+  // Nobody answers any more: what would ask is off.
+  private ended(why: string): void {
+    say("state", why);
+    for (const input of document.querySelectorAll<HTMLButtonElement | HTMLInputElement | HTMLSelectElement>("[data-ask], [data-time], #take, #pace, #scrub"))
+      input.disabled = true;
   }
 
   // What the run says of itself.
@@ -172,11 +188,13 @@ class Page implements Listener {
   // --- controls
 
   private addControls(): void {
-    for (const entry of kLegend) {
+    const { otherProxy, ...always } = kLegend;
+    const severalHands = this.main.scene.other_proxies.length > 0;
+    for (const entry of [...Object.values(always), ...(severalHands ? [otherProxy] : []), { ...kPointedAt, colour: "#fff", see_through: false }]) {
       const item = document.createElement("li"), mark = document.createElement("i");
       mark.style.background = entry.colour;
       mark.style.opacity = entry.see_through ? "0.45" : "1";
-      if (entry.edge) mark.style.borderColor = "#000";
+      if (entry.edge !== "") mark.style.borderColor = entry.edge;
       item.append(mark, entry.name);
       element("legend").append(item);
     }
@@ -230,10 +248,17 @@ class Page implements Listener {
     if (this.beside?.view !== undefined) this.beside.view.highlighted = body;
     this.drawn = "";
     this.nextSlow_ms = 0;
+    this.showHovered();
+  }
+
+  // The body that is pointed at, and its roles at this moment.
+  private showHovered(): void {
+    const body = this.hovered, { world, scene } = this.main;
     if (body < 0) return say("hover", "");
-    const role = this.main.world.roles[this.main.world.indexOf[body]!]!;
+    const index = world.indexOf[body]!, role = world.roles[index]!;
     const words = Object.entries(Role).flatMap(([name, bit]) => ((role & bit) !== 0 ? [name] : []));
-    say("hover", `${this.main.scene.bodies[body]!.label}: ${words.join(", ") || "outside"}`);
+    if (world.isOtherProxy[index] === true) words.unshift("proxy of another hand");
+    say("hover", `${scene.bodies[body]!.label}: ${words.join(", ") || "outside"}`);
   }
 
   // --- the link
@@ -252,6 +277,7 @@ class Page implements Listener {
       for (const name of kLayers) (this.form.elements.namedItem(name) as HTMLInputElement).checked = !link.hide.includes(name);
     this.layers = layersOf(this.form);
     if (link.eye !== undefined && link.look !== undefined) this.main.view.lookFrom(link.eye, link.look);
+    if (this.wrongLink.length > 0) say("answer", this.wrongLink.join(" · "));
   }
 
   // The address always brings back what is seen now.
@@ -297,7 +323,9 @@ class Page implements Listener {
     if (now_ms >= this.nextSlow_ms) {
       this.nextSlow_ms = now_ms + 100;
       if (newest !== null) this.showFigures(newest, now_ms);
+      this.showHovered();
       this.graph!.draw(this.hovered);
+      say("unlinked", this.graph!.unlinked === 0 ? "" : `members that contacts do not connect to it, not drawn here: ${this.graph!.unlinked}`);
       this.plots!.draw();
       say("caught", this.plots!.state());
     }

@@ -97,6 +97,8 @@ export class Plots {
   restart(): void {
     this.ticks.restart();
     this.arm(this.trigger);
+    this.lastFault = NaN; // of another time: what is latched there is no news
+    this.lastOverrun = true;
   }
 
   take(values: Float32Array): void {
@@ -112,7 +114,7 @@ export class Plots {
         trigger.kind === "fault" ? fault !== 0 && this.lastFault === 0
         : trigger.kind === "overrun" ? overrun && !this.lastOverrun
         : trigger.kind === "step" ? Math.abs(value - this.last) > trigger.level
-        : value > trigger.level && !(this.last > trigger.level);
+        : value > trigger.level && this.last <= trigger.level; // a crossing: one that is above already does not fire
       if (fires) this.caughtAt = this.ticks.count;
     }
     this.last = value;

@@ -6,17 +6,38 @@ import { Role, type Part, type Shape } from "./wire";
 import type { World } from "./world";
 
 // Of the Okabe-Ito palette: colour-blind people tell them apart. Members are solid, others see-through, the border has
-// its edges drawn: it is never the colour alone.
-export const kLegend: readonly { name: string; colour: string; edge: boolean; see_through: boolean }[] = [
-  { name: "proxy", colour: "#d55e00", edge: false, see_through: false },
-  { name: "member", colour: "#56b4e9", edge: false, see_through: false },
-  { name: "border: edges drawn", colour: "#e69f00", edge: true, see_through: false },
-  { name: "outside, awake: see-through", colour: "#009e73", edge: false, see_through: true },
-  { name: "outside, asleep: see-through", colour: "#999999", edge: false, see_through: true },
-  { name: "fixed", colour: "#d8d2c4", edge: false, see_through: false },
-];
-const kColour = kLegend.map((entry) => new THREE.Color(entry.colour));
-const kBlack = new THREE.Color("#000000");
+// its edges drawn, the proxy of another hand too, in another colour: it is never the colour alone.
+interface Look {
+  name: string;
+  colour: string;
+  edge: string; // colour of the edges; "": they are not drawn
+  see_through: boolean;
+}
+export const kLegend = {
+  proxy: { name: "proxy", colour: "#d55e00", edge: "", see_through: false },
+  member: { name: "member", colour: "#56b4e9", edge: "", see_through: false },
+  border: { name: "border: black edges", colour: "#e69f00", edge: "#000000", see_through: false },
+  awake: { name: "outside, awake: see-through", colour: "#009e73", edge: "", see_through: true },
+  asleep: { name: "outside, asleep: see-through", colour: "#999999", edge: "", see_through: true },
+  otherProxy: { name: "proxy of another hand: red edges", colour: "#f0e442", edge: "#d55e00", see_through: false },
+  fixed: { name: "fixed", colour: "#d8d2c4", edge: "", see_through: false },
+} as const satisfies Record<string, Look>;
+export type Kind = keyof typeof kLegend;
+// Edges of the body that is pointed at, whatever its kind.
+export const kPointedAt = { name: "pointed at: blue edges", edge: "#0000ff" } as const;
+
+// What a moving body is drawn as.
+export function kindOf(role: number, otherHand: boolean): Kind {
+  if ((role & Role.proxy) !== 0) return "proxy";
+  if (otherHand) return "otherProxy";
+  if ((role & Role.border) !== 0) return "border";
+  if ((role & Role.member) !== 0) return "member";
+  return (role & Role.asleep) !== 0 ? "asleep" : "awake";
+}
+
+const kColour = Object.fromEntries(Object.entries(kLegend).map(([kind, look]) => [kind, new THREE.Color(look.colour)])) as Record<Kind, THREE.Color>;
+const kEdge = Object.fromEntries(Object.entries(kLegend).map(([kind, look]) => [kind, look.edge === "" ? null : new THREE.Color(look.edge)])) as Record<Kind, THREE.Color | null>;
+const kPointedEdge = new THREE.Color(kPointedAt.edge);
 const kPlaneWidth_m = 4;
 const kMaxArrows = 4096;
 
@@ -114,13 +135,14 @@ function place(mesh: THREE.InstancedMesh, slot: number, i: number, positions: Fl
   colour.toArray(mesh.instanceColor!.array, 3 * slot);
 }
 
-// The moving bodies of one shape, in three meshes: members, their border's edges, the others.
+// The moving bodies of one shape, in three meshes: solid ones, which are members and proxies, edges, and the others.
 interface Group {
   bodies: number[]; // among the moving ones
   solid: THREE.InstancedMesh;
   edges: THREE.InstancedMesh;
   outside: THREE.InstancedMesh;
   solidBodies: number[];
+  edgeBodies: number[];
   outsideBodies: number[];
 }
 
@@ -179,16 +201,18 @@ export class Scene3d {
 
   private addGroup(geometry: THREE.BufferGeometry, shape: Shape, index: number): void {
     const { scene, indexOf } = this.world;
-    for (const body of scene.bodies) {
-      if (!body.fixed || body.shape !== index) continue;
+    const fixed = scene.bodies.filter((body) => body.fixed && body.shape === index);
+    if (fixed.length > 0) {
       // Walls are seen through: what they hold is what one wants to see. The ground is not.
       const ground = shape.kind === "plane" || shape.kind === "mesh";
       const look = ground ? {} : { transparent: true, opacity: 0.25, depthWrite: false };
-      const material = new THREE.MeshStandardMaterial({ color: kColour[5], roughness: 1, side: THREE.DoubleSide, flatShading: shape.kind === "mesh", ...look });
-      const mesh = new THREE.Mesh(geometry, material);
-      mesh.position.set(...body.position);
-      const [w, x, y, z] = body.rotation;
-      mesh.quaternion.set(x, y, z, w);
+      const material = new THREE.MeshStandardMaterial({ color: kColour.fixed, roughness: 1, side: THREE.DoubleSide, flatShading: shape.kind === "mesh", ...look });
+      const mesh = new THREE.InstancedMesh(geometry, material, fixed.length);
+      const matrix = new THREE.Matrix4(), one = new THREE.Vector3(1, 1, 1);
+      fixed.forEach((body, k) => {
+        const [w, x, y, z] = body.rotation;
+        mesh.setMatrixAt(k, matrix.compose(new THREE.Vector3(...body.position), new THREE.Quaternion(x, y, z, w), one));
+      });
       this.fixed.add(mesh);
     }
     const bodies = scene.bodies.flatMap((body, id) => (!body.fixed && body.shape === index ? [indexOf[id]!] : []));
@@ -196,16 +220,17 @@ export class Scene3d {
     const instanced = (material: THREE.Material): THREE.InstancedMesh => {
       const mesh = new THREE.InstancedMesh(geometry, material, bodies.length);
       mesh.frustumCulled = false;
-      mesh.setColorAt(0, kColour[0]!); // makes the colours' buffer
+      mesh.setColorAt(0, kColour.proxy); // makes the colours' buffer
       this.scene.add(mesh);
       return mesh;
     };
     this.groups.push({
       bodies,
       solid: instanced(new THREE.MeshStandardMaterial({ roughness: 0.7 })),
-      edges: instanced(new THREE.MeshBasicMaterial({ color: "#000000", wireframe: true })),
+      edges: instanced(new THREE.MeshBasicMaterial({ wireframe: true })),
       outside: instanced(new THREE.MeshStandardMaterial({ roughness: 1, transparent: true, opacity: 0.45, depthWrite: false })),
       solidBodies: [],
+      edgeBodies: [],
       outsideBodies: [],
     });
   }
@@ -257,24 +282,27 @@ export class Scene3d {
 
   // Takes the world's state over; draw() shows it.
   update(layers: Layers): void {
-    const { positions, rotations, roles, moving } = this.world;
+    const { positions, rotations, roles, moving, isOtherProxy } = this.world;
     let solids = 0, outsides = 0;
     for (const group of this.groups) {
       let solid = 0, edge = 0, outside = 0;
-      group.solidBodies.length = group.outsideBodies.length = 0;
+      group.solidBodies.length = group.edgeBodies.length = group.outsideBodies.length = 0;
       for (const i of group.bodies) {
         const role = roles[i]!;
         const member = (role & Role.member) !== 0;
         if ((role & Role.unknown) !== 0 || (member ? !layers.members : !layers.outside)) continue;
-        const kind = (role & Role.proxy) !== 0 ? 0 : (role & Role.border) !== 0 ? 2 : member ? 1 : (role & Role.asleep) !== 0 ? 4 : 3;
-        if (member) {
-          place(group.solid, solid++, i, positions, rotations, kColour[kind]!);
+        const kind = kindOf(role, isOtherProxy[i]!);
+        if (member || !kLegend[kind].see_through) {
+          place(group.solid, solid++, i, positions, rotations, kColour[kind]);
           group.solidBodies.push(i);
         } else {
-          place(group.outside, outside++, i, positions, rotations, kColour[kind]!);
+          place(group.outside, outside++, i, positions, rotations, kColour[kind]);
           group.outsideBodies.push(i);
         }
-        if (kind === 2 || moving[i] === this.highlighted) place(group.edges, edge++, i, positions, rotations, kBlack);
+        const edges = moving[i] === this.highlighted ? kPointedEdge : kEdge[kind];
+        if (edges === null) continue;
+        place(group.edges, edge++, i, positions, rotations, edges);
+        group.edgeBodies.push(i);
       }
       for (const [mesh, count] of [[group.solid, solid], [group.edges, edge], [group.outside, outside]] as const) {
         mesh.count = count;
@@ -341,6 +369,22 @@ export class Scene3d {
     line.setXYZ(1, ...proxy);
     line.needsUpdate = true;
     this.changed = true;
+  }
+
+  // What a body is drawn as: its colour, its edges', and whether it is seen through; null: it is left out.
+  look(body: number): { colour: string; edge: string; see_through: boolean } | null {
+    const index = this.world.indexOf[body]!;
+    const colourIn = (mesh: THREE.InstancedMesh, bodies: number[]): string => {
+      const at = bodies.indexOf(index), colour = new THREE.Color();
+      if (at < 0 || !mesh.visible || at >= mesh.count) return "";
+      mesh.getColorAt(at, colour);
+      return `#${colour.getHexString()}`;
+    };
+    for (const group of this.groups) {
+      const solid = colourIn(group.solid, group.solidBodies), outside = colourIn(group.outside, group.outsideBodies);
+      if (solid !== "" || outside !== "") return { colour: solid || outside, edge: colourIn(group.edges, group.edgeBodies), see_through: solid === "" };
+    }
+    return null;
   }
 
   // Where a body is drawn: x y z [m], and its rotation x y z w; null: it is left out.

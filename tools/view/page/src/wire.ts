@@ -39,6 +39,7 @@ export interface Scene {
   virtual_time: boolean;
   members_cap: number;
   proxy: number;
+  other_proxies: number[]; // of the scene's other hands
   reach_m: number; // of the proxy, for the boundary cube; 0: there is none
   channels: { name: string; unit: string }[];
   shapes: Shape[];

@@ -14,6 +14,7 @@ export class World {
   readonly rotations: Float32Array; // x y z w
   readonly roles: Uint8Array;
   readonly indexOf: Int32Array; // by id: among the moving bodies; -1
+  readonly isOtherProxy: boolean[]; // by moving body
   contacts: Contact[] = [];
   component = 0;
   time_s = 0;
@@ -26,6 +27,7 @@ export class World {
     this.roles = new Uint8Array(this.moving.length);
     this.indexOf = new Int32Array(scene.bodies.length).fill(-1);
     this.moving.forEach((id, i) => (this.indexOf[id] = i));
+    this.isOtherProxy = this.moving.map((id) => scene.other_proxies.includes(id));
   }
 
   take(message: Message): void {
