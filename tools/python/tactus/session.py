@@ -6,13 +6,14 @@ from .scene import checked
 class Session(_core.Session):
     """A run in virtual time, with the bits of `tactus run --virtual-time`.
 
-    scene: a path, a mapping or a Scene. hand: None, the scene's own script; a function hand(tick, tool_pose, force) that
-    returns where the hand wants the tool at that tick, 3 numbers (position, m) or 7 (position and rotation w x y z),
-    world frame, which the hand's impedance then follows; or 6 numbers, the wrench with which the hand pushes the tool
-    wherever it is (force, N, and torque about the tool's origin, N m, world axes); or None: as before. It gets the tick's number, the tool's measured pose (7,) in the world and (6,) the
-    force and torque on the hand, N and N m, world axes; what it raises ends the step and comes out of it. Or 'targets':
-    step() takes an array of targets or wrenches. A scene with several hands takes a list of these, one for each; what each hand has
-    is in `hands`. options: those of `tactus run`, such as coupling='static', ratio=5, rate_Hz=2000.
+    scene: a path, a mapping or a Scene. hand: None, the scene's own script; a function hand(tick, tool_pose, force)
+    that returns where the hand wants the tool at that tick, 3 numbers (position, m) or 7 (position and rotation w x y
+    z), world frame, which the hand's impedance then follows; or 6 numbers, the wrench with which the hand pushes the
+    tool wherever it is (force, N, and torque about the tool's origin, N m, world axes); or None: as before. It gets
+    the tick's number, the tool's measured pose (7,) in the world and (6,) the force and torque on the hand, N and N
+    m, world axes; what it raises ends the step and comes out of it. Or 'targets': step() takes an array of targets or
+    wrenches. A scene with several hands takes a list of these, one for each; what each hand has is in `hands`.
+    options: those of `tactus run`, such as coupling='static', ratio=5, rate_Hz=2000.
 
     One call at a time; while step() computes, other threads run.
     """
