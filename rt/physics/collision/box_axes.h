@@ -137,7 +137,8 @@ template <class V>
 TACTUS_INLINE BoxAxes<double> pair_of_lane(const BoxAxes<V>& from, int lane) noexcept {
   const auto number = [lane](const V& v) noexcept { return lane_of(v, lane); };
   const auto vec = [number](const Vec3<V>& v) noexcept { return Vec3d{number(v.x), number(v.y), number(v.z)}; };
-  const auto &h = from.h, &d = from.d_a, &e = from.d_b;
+  const auto& h = from.h;
+  const auto &d = from.d_a, &e = from.d_b;
   const auto& r = from.r;
   return {.axis_a = {vec(from.axis_a[0]), vec(from.axis_a[1]), vec(from.axis_a[2])},
           .axis_b = {vec(from.axis_b[0]), vec(from.axis_b[1]), vec(from.axis_b[2])},
