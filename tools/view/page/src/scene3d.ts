@@ -195,8 +195,6 @@ export class Scene3d {
     this.spring.frustumCulled = false;
     this.scene.add(this.arrows, this.heads, this.target, this.spring, this.cube);
     this.lookAtProxy();
-    new ResizeObserver(() => this.resize()).observe(canvas);
-    this.resize();
   }
 
   private addGroup(geometry: THREE.BufferGeometry, shape: Shape, index: number): void {
@@ -271,9 +269,12 @@ export class Scene3d {
     return { right: axis(0).toArray(), up: axis(1).toArray(), forward: forward.toArray(), metresPerPixel: height / Math.max(1, this.canvas.clientHeight), distance };
   }
 
+  // Before a picture, not after it: a change of size waits for all that was drawn.
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas;
     if (clientWidth === 0 || clientHeight === 0) return;
+    const ratio = this.renderer.getPixelRatio();
+    if (this.canvas.width === Math.floor(clientWidth * ratio) && this.canvas.height === Math.floor(clientHeight * ratio)) return;
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
@@ -418,6 +419,7 @@ export class Scene3d {
   }
 
   draw(): void {
+    this.resize();
     if (!this.changed) return;
     this.changed = false;
     this.renderer.render(this.scene, this.camera);
