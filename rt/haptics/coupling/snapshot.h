@@ -30,7 +30,7 @@ struct BorderPoint {
   std::uint32_t feature{0};
   std::uint32_t parts{0};    // PairKey::parts: which parts of the two bodies touch
   Vec3d normal;              // unit, from the outside body towards the member
-  Vec3d member_anchor;       // m, in the member's body frame: the point; of a ball or a cap, its centre
+  Vec3d member_anchor;       // m, in the member's body frame: the point; of a ball, its centre
   double impulse_rate_N{0};  // normal impulse of the step / its duration
   double friction{0};
   Vec3d outside_point;             // m, world: point on the outside body's surface, at the end of the step
@@ -38,7 +38,7 @@ struct BorderPoint {
   Vec3d outside_velocity;          // m/s: of the outside body's surface at the point, mean over the step
   Vec3d friction_N;                // on the member: friction impulse of the step / its duration
   double outside_inverse_mass{0};  // 1/kg: share of the outside body in the inverse effective mass along the normal
-  // m: distance of the point from the centre of the ball or the cap that touches there, along the normal; 0: it does
+  // m: distance of the point from the centre of the ball that touches there, along the normal; 0: it does
   // not roll on the body, but turns with it.
   double member_round_m{0}, outside_round_m{0};
 };

@@ -89,7 +89,7 @@ struct BorderContact {
   std::uint32_t feature{0};  // with `parts`: identifies the contact point within the pair of bodies
   std::uint32_t parts{0};    // PairKey::parts
   Vec3d normal;              // unit, world, from the outside body towards the member
-  Vec3d member_anchor;       // m, in the member's body frame: the contact point; of a ball or a cap, its centre
+  Vec3d member_anchor;       // m, in the member's body frame: the contact point; of a ball, its centre
   double impulse_rate{};     // N: impulse of the global step / its length
   double friction{};         // coefficient of the pair
   Vec3d outside_velocity;    // m/s, of the outside body's surface at the point, world
@@ -98,7 +98,7 @@ struct BorderContact {
   std::uint32_t ghost{kNoGhost};
   double outside_inverse_mass{};
 
-  // A ball or a cap is touched at the point that lies along the normal from its centre, however far it has turned. m:
+  // A ball is touched at the point that lies along the normal from its centre, however far it has turned. m:
   // distance of that point from the centre, on the member and on the ghost; 0: the point turns with the body.
   double member_round{}, ghost_round{};
   Vec3d ghost_centre;  // m, world axes: of the ghost's ball or cap from the centre of the ghost

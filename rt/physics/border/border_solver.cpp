@@ -137,7 +137,7 @@ double BorderSolver::normal_limit(const Row& row) const noexcept {
   return std::max(0.0, pair.cap - (pair.sum - row.normal_impulse));
 }
 
-// What the surface of a ball or a cap moved at the point since the start of the step because it turned [m]: along the
+// What the surface of a ball moved at the point since the start of the step because it turned [m]: along the
 // tangents only.
 Vec3d BorderSolver::rolled_at(const Row& row, const SolverBody<double>& body) noexcept {
   return row.round > 0.0 ? -row.round * cross(small_rotation_vector(body.delta_rotation), row.n) : Vec3d{};

@@ -59,7 +59,7 @@ class BorderSolver {
     bool active{false}, holds{false};  // the member exists and is not frozen; friction acts
     Vec3d n, t1, t2;
     Vec3d r;                   // m, from the member's centre, at the start of the step
-    Vec3d centre;              // m, same: of the ball or the cap that is touched, otherwise r
+    Vec3d centre;              // m, same: of the ball that is touched, otherwise r
     double round{};            // m, from that centre to the point
     Vec3d rolled;              // m: by how much the point moved less than the member's material, over the step
     Vec3d offset;              // m, from line_point to the member's point, at the start of the step

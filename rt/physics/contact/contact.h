@@ -28,7 +28,7 @@ struct Contact {
   bool b_fixed{false};                  // true: B is a fixed body. A fixed body is always B.
   bool rolls_a{false}, rolls_b{false};  // true: touched on a surface of revolution (contact_row.h); never carried over
   AxisCache axis_cache;
-  // m: distance of the points from the centre of a ball or a cap, along the normal (contact_row.h); 0: neither. Never
+  // m: distance of the points from the centre of a ball, along the normal (contact_row.h); 0: neither. Never
   // carried over.
   double round_a{}, round_b{};
   double friction{};

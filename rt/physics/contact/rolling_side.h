@@ -1,5 +1,5 @@
-// Which contacts roll: those on a ball or a cap, where a turn about its centre moves no point of the contact along the
-// normal, and those on a surface of revolution, where a turn about the axis moves none.
+// Which contacts roll: those on a ball, where a turn about its centre moves no point of the contact along the normal,
+// and those on a surface of revolution, where a turn about the axis moves none.
 // Frame: world. Units: m. Thread: [any]; pure.
 #pragma once
 
@@ -22,11 +22,10 @@ inline bool touches_on_side(const Body& body, std::uint32_t part, Compounds comp
   return along * along < 0.5 && norm_squared(beside) < posed.shape.radius * posed.shape.radius;
 }
 
-// Distance of a contact point, which is midway between the surfaces, from the centre of the ball or the cap that it
-// touches, or from the axis of a capsule's side [m]. 0: the shape is neither.
+// Distance of a contact point, which is midway between the surfaces, from the centre of the ball that it touches [m].
+// 0: the shape is no ball.
 constexpr double round_at(const Shape& shape, double separation) noexcept {
-  const bool is_round = shape.kind == ShapeKind::kSphere || shape.kind == ShapeKind::kCapsule;
-  return is_round ? shape.radius + 0.5 * separation : 0.0;
+  return shape.kind == ShapeKind::kSphere ? shape.radius + 0.5 * separation : 0.0;
 }
 
 }  // namespace tactus::physics
