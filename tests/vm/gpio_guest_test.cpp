@@ -134,7 +134,7 @@ TEST_CASE("a stop that was there and went between two looks stops every hand onc
     pull(3, true);
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     pull(3, false);
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // both edges are in the queue, nobody looked
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // both edges are queued, none is read yet
     // The queue of edges is common: what one hand takes from it, the others are told.
     CHECK(soon([&] { return hands[first]->estop(); }));
     for (unsigned hand = 0; hand < kHands; ++hand) {

@@ -1,43 +1,22 @@
 #include "tools/import/check_scene.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <charconv>
 #include <fstream>
 #include <sstream>
 
 #include "sim/loader/scene_load.h"
+#include "tools/private_folder.h"
 
 namespace tactus::scene_import {
 namespace {
 
-// Files that are gone with it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code none;
-    std::string name = std::filesystem::temp_directory_path(none) / "tactus-import-XXXXXX";
-    if (::mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code none;
-    if (!path_.empty()) std::filesystem::remove_all(path_, none);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  bool write(const std::string& name, const std::string& text) const {
-    if (path_.empty()) return false;
-    std::ofstream file(path_ / name, std::ios::binary);
-    file << text;
-    return file.flush().good();
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+bool write_file(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  return file.flush().good();
+}
 
 // An element of the model, as a comment behind the head of its table has it: 'geom "head", line 42'.
 struct Element {
@@ -79,12 +58,14 @@ std::string key_of(const std::string& where) {
 }  // namespace
 
 Status check_scene(const SceneFiles& files, const std::string& model, CheckScope scope, Account& account) {
-  const TemporaryFolder folder;
-  bool written = folder.write("scene.toml", files.text);
-  for (const auto& [name, text] : files.shapes) written = written && folder.write(name, text);
-  if (!written) return Status::error("no folder for temporary files; accepted: TMPDIR that can be written");
+  const auto made = PrivateFolder::make();
+  if (!made.ok()) return made.status();
+  const std::filesystem::path& folder = made.value()->path();
+  bool written = write_file(folder / "scene.toml", files.text);
+  for (const auto& [name, text] : files.shapes) written = written && write_file(folder / name, text);
+  if (!written) return Status::error("temporary files cannot be written; accepted: TMPDIR on a disk with free space");
   text::Diagnostics found;
-  if (sim::load_scene(folder.path() / "scene.toml", &found).ok()) return Status::good();
+  if (sim::load_scene(folder / "scene.toml", &found).ok()) return Status::good();
   found.sort_by_place();
   const auto elements = elements_of(files.text);
   for (const text::Mistake& mistake : found.mistakes) {

@@ -47,10 +47,6 @@ Summary to_public(const session::RunSummary& from) {
   return to;
 }
 
-}  // namespace
-
-namespace {
-
 // A scene that is empty has no hands; the session says so when it is built.
 unsigned hands_of(const Scene& scene) { return std::max(1u, scene.hands()); }
 

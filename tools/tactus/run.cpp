@@ -15,6 +15,7 @@
 #include "tools/experiment/shared_files.h"
 #include "tools/json_report.h"
 #include "tools/library/access.h"
+#include "tools/private_folder.h"
 #include "tools/service/paced_run.h"
 #include "tools/service/run_service.h"
 #include "tools/session/realtime_run.h"

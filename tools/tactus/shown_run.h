@@ -1,5 +1,5 @@
-// What the watchers of a run see: its publication, and what it says of itself: the verdict so far, by the rules of the
-// summary, and the tape of its fault.
+// What the watchers of a run see: its publication, the verdict so far by the rules of the summary, and the tape of its
+// fault.
 //
 // Thread: construction, recorded, look, end: the one that attends the run; watchers: [any]; stepped: the global
 // world's; the records come by the drain's; each tape has a thread that writes it. Bound: a verdict five times a

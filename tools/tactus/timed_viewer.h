@@ -8,6 +8,7 @@
 #include <atomic>
 #include <memory>
 
+#include "tools/private_folder.h"
 #include "tools/service/control_server.h"
 #include "tools/tactus/shown_run.h"
 #include "tools/tactus/viewer_process.h"
@@ -30,7 +31,7 @@ class TimedViewer {
   timing::WindowWatcher::Counts counts() const;
 
   std::unique_ptr<PrivateFolder> folder_;
-  std::atomic<std::uint32_t> requests_{0};  // of the control socket: nobody asks for anything
+  std::atomic<std::uint32_t> requests_{0};  // written by the control server, not read here
   std::atomic<bool> stop_{false};
   std::shared_ptr<ShownRun> shown_;
   std::unique_ptr<service::ControlServer> control_;

@@ -80,16 +80,4 @@ ViewerProcess::~ViewerProcess() {
   (void)waitpid(process_, nullptr, 0);
 }
 
-Result<std::unique_ptr<PrivateFolder>> PrivateFolder::make() {
-  std::error_code error;
-  std::string path = (std::filesystem::temp_directory_path(error) / "tactus-XXXXXX").string();
-  if (error || mkdtemp(path.data()) == nullptr) return Status::error("no folder for a control socket can be made");
-  return std::unique_ptr<PrivateFolder>(new PrivateFolder(path));
-}
-
-PrivateFolder::~PrivateFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 }  // namespace tactus::tools

@@ -37,19 +37,4 @@ class ViewerProcess {
   std::string address_;
 };
 
-// A folder of this user's alone, for a control socket; removed with the object.
-class PrivateFolder {
- public:
-  static Result<std::unique_ptr<PrivateFolder>> make();
-  ~PrivateFolder();
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-
-  const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  explicit PrivateFolder(std::filesystem::path path) : path_(std::move(path)) {}
-  std::filesystem::path path_;
-};
-
 }  // namespace tactus::tools

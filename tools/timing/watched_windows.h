@@ -16,12 +16,12 @@
 
 namespace tactus::timing {
 
-// Who watches in every second window; each is called while the loop rests, except `taken`.
+// Who watches in every second window; each is called while the loop rests, except `counts`.
 struct WindowWatcher {
   // Before the run: makes it watchable. Returns what the global thread calls after each step.
   std::function<Result<session::RealtimeTaps>(session::Session&)> prepare;
   std::function<Status()> attach;  // returns when it watches
-  std::function<void()> detach;    // returns when nobody does
+  std::function<void()> detach;    // returns when it has left
   struct Counts {
     std::uint64_t frames{0};    // taken so far
     std::uint32_t watchers{0};  // of the run, now

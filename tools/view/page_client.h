@@ -1,7 +1,7 @@
 // A client of `tactus view` that takes what a page takes and acknowledges each message, without drawing anything.
 //
 // Thread: construction, destruction: one; the messages are taken on a thread of its own; counts [any]. Bound: one
-// message at a time. Error, one line: nobody listens there, or the page is refused.
+// message at a time. Error, one line: no server listens there, or the page is refused.
 #pragma once
 
 #include <atomic>

@@ -12,34 +12,40 @@ constexpr double kMass = 0.5, kHalf = 0.05;
 
 Admittance free_mass(double mass) { return {SymMat3d::identity(1 / mass), {}, {}}; }
 
+PhysicsBench border_bench() {
+  Capacities capacities;
+  capacities.border_contacts = 4;
+  return PhysicsBench(capacities);
+}
+
+// Adds the ghost of outside body 9 and its contact with member 3.
+void add_ghost(PhysicsBench& bench, BorderGhost ghost, BorderContact contact) {
+  ghost.outside = contact.outside = 9;
+  REQUIRE(bench.world.border_ghosts().try_push(ghost));
+  contact.member = 3;
+  contact.ghost = 0;
+  contact.outside_inverse_mass = 1 / kMass;
+  bench.world.border_rule.mode = BorderMode::kGhost;
+  REQUIRE(bench.world.add_border_contact(contact));
+}
+
 // A cube at the origin without gravity, hard to turn, whose face towards -x touches the ghost of an outside body:
 // normal +x. Nothing holds the ghost but its admittance.
 struct GhostBench {
-  PhysicsBench bench{[] {
-    Capacities capacities;
-    capacities.border_contacts = 4;
-    return capacities;
-  }()};
+  PhysicsBench bench{border_bench()};
 
   explicit GhostBench(const Admittance& admittance, double friction = 0) {
     bench.settings.gravity = {};
     bench.add_box(3, {kHalf, kHalf, kHalf}, kMass, 0.5, {});
     bench.body(3).inertia = {1e6, 1e6, 1e6};
     BorderGhost ghost;
-    ghost.outside = 9;
     ghost.centre = {-2 * kHalf, 0, 0};
     ghost.admittance = admittance;
-    REQUIRE(bench.world.border_ghosts().try_push(ghost));
     BorderContact contact;
-    contact.member = 3;
-    contact.outside = 9;
-    contact.ghost = 0;
     contact.normal = {1, 0, 0};
     contact.member_anchor = contact.line_point = {-kHalf, 0, 0};
     contact.friction = friction;
-    contact.outside_inverse_mass = 1 / kMass;
-    bench.world.border_rule.mode = BorderMode::kGhost;
-    REQUIRE(bench.world.add_border_contact(contact));
+    add_ghost(bench, ghost, contact);
   }
   BorderGhost& ghost() { return bench.world.border_ghosts()[0]; }
   BorderContact& contact() { return bench.world.border_contacts()[0]; }
@@ -202,28 +208,17 @@ TEST_CASE("A world with ghosts goes on from its saved state to the last bit") {
 
 // A ball of radius kHalf that rests on the ghost of a body below it, pressed by gravity.
 struct RoundBench {
-  PhysicsBench bench{[] {
-    Capacities capacities;
-    capacities.border_contacts = 4;
-    return capacities;
-  }()};
+  PhysicsBench bench{border_bench()};
 
   RoundBench(const Shape& shape, double friction) {
     bench.add_sphere(3, kHalf, kMass, 0.5, {0, 0, kHalf});
     bench.body(3).shape = shape;
     BorderGhost ghost;
-    ghost.outside = 9;
     ghost.centre = {0, 0, -kHalf};
-    REQUIRE(bench.world.border_ghosts().try_push(ghost));
     BorderContact contact;
-    contact.member = 3;
-    contact.outside = 9;
-    contact.ghost = 0;
     contact.normal = {0, 0, 1};
     contact.friction = friction;
-    contact.outside_inverse_mass = 1 / kMass;
-    bench.world.border_rule.mode = BorderMode::kGhost;
-    REQUIRE(bench.world.add_border_contact(contact));
+    add_ghost(bench, ghost, contact);
   }
   BorderGhost& ghost() { return bench.world.border_ghosts()[0]; }
   BorderContact& contact() { return bench.world.border_contacts()[0]; }
