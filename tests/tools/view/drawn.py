@@ -189,15 +189,20 @@ class Stall(InPage):
 
     def test_c_a_level_waits_for_a_crossing(self):
         """Armed above the level; the stall of the world takes the force away, and its return is the crossing."""
-        run = ViewedRun(PROGRAM, "view", os.path.join(SCENES, "press.toml"), "--virtual-time", "--inject", "stall@1500+300", "--pace", "0.3")
+        run = ViewedRun(PROGRAM, "view", os.path.join(SCENES, "press.toml"), "--virtual-time", "--inject", "stall@1500+300", "--pace", "0.01")
         self.addCleanup(run.kill)
         self.open(run)
         self.choose("#window", "1")
         self.choose("#level", "1")
         self.choose("#trigger", "level")
+        self.choose("#pace", "0.1")
         wait_for(lambda: self.text("force") != "–" and float(self.text("force")) > 2, "force above the level")
-        self.choose("input[name=mode][value=trigger]", "")
+        play = "document.querySelector('[data-time=play]').click()"
+        self.browser.execute_script(play)
+        wait_for(lambda: self.text("answer") == "paused", "pause")
         self.assertLess(float(self.text("time")), 1.5)
+        self.choose("input[name=mode][value=trigger]", "")
+        self.browser.execute_script(play)
         self.choose("#pace", "3")
         wait_for(lambda: "750 ticks since" in self.text("caught"), "return of the force")
         at_s = float(self.text("caught").split()[2])
