@@ -122,13 +122,21 @@ class Cluster(unittest.TestCase):
         self.assertEqual([line for line in lines if "again" in line], [])
         print(f"{units} units: {len(lines)} runs were started")
 
+    def read_until(self, process, words):
+        """What the process says, up to and with the line that has these words; byte by byte, as nothing is buffered."""
+        lines = [process.stderr.readline().decode()]
+        while words not in lines[-1]:
+            self.assertNotEqual(lines[-1], "", "".join(lines))  # the process has ended
+            lines.append(process.stderr.readline().decode())
+        return "".join(lines)
+
     def begin_by(self, program, **options):
         """The sweep by a program in place of tactus."""
         options = {"program": program, "file": "sweep.toml", "folder": "", "csv": self.at("cluster.csv"), "unit": "",
                    "workers": 0, "fresh": False, "list": False, "collect": False, "scheduler": self.address,
                    "trust_network": False, "json": True, **options}
         return subprocess.Popen([PYTHON, "-m", "tactus.sweep", json.dumps(options)], cwd=self.scratch,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=0,
                                 env={**os.environ, "PYTHONPATH": bench.MODULE})
 
     def test_the_count_of_runs_sees_one_that_is_done_again(self):
@@ -159,22 +167,20 @@ class Cluster(unittest.TestCase):
     def test_a_scheduler_that_was_killed_is_waited_for(self):
         self.write(1.0, 20)
         scheduler = self.scheduler()
+        sweep = self.begin_by(self.counting_program())
+        said = self.read_until(sweep, "waiting for a worker")
+        self.assertIn("20 units left; accepted: dask-worker tcp://", said)
         for _ in range(3):
             self.worker()
-        sweep = self.begin_by(self.counting_program())
         self.wait_for_results(3)
         os.killpg(scheduler.pid, signal.SIGKILL)
         scheduler.wait()
         self.scheduler()
-        lines = [sweep.stderr.readline().decode()]
-        while "waiting for a worker" not in lines[-1] and lines[-1]:  # Debian's workers end with their scheduler
-            lines.append(sweep.stderr.readline().decode())
-        self.assertIn("units left; accepted: dask-worker tcp://", lines[-1])
-        for _ in range(3):
+        said += self.read_until(sweep, "the scheduler is gone")
+        for _ in range(3):  # Debian's workers end with their scheduler
             self.worker()
-        report, said = self.end(sweep)
-        said = "".join(lines) + said
-        self.assertIn("the scheduler is gone", said)
+        report, rest = self.end(sweep)
+        said += rest
         for line in said.splitlines():
             self.assertTrue(line.startswith("tactus sweep: "), said)
         self.expect_no_unit_again_that_had_ended(20)
