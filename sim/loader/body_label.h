@@ -1,6 +1,5 @@
 // A label for a body of a scene, for messages: its name or number, and its line in the file.
-// Thread: [setup]; parses the scene's text again. Bound: the text. Errors: none; a body that is not in the text gets
-// the number only.
+// Thread: [setup]. Bound: the generated parts. Errors: none; a body that is not in the file gets the number only.
 #pragma once
 
 #include <string>

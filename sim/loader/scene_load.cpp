@@ -166,7 +166,7 @@ class SceneReader {
     for (const text::TomlNode& node : root_.tables("proxy", kMaxHands)) {
       text::TableReader t(&node, "[proxy]", diagnostics_);
       if (!t.there()) continue;
-      const auto& body = add(bodies_.read(t, BodyRole::kProxy));
+      const auto& body = add_listed(bodies_.read(t, BodyRole::kProxy), node);
       if (first)
         scene_.proxy = body.id;
       else
@@ -184,7 +184,7 @@ class SceneReader {
     for (const text::TomlNode& node : root_.array("body", kMaxSceneBodies - 1)) {
       text::TableReader t(&node, fmt::format("[body.{}]", ++number), diagnostics_);
       if (!t.there()) continue;
-      auto& body = add(bodies_.read(t, BodyRole::kBody));
+      auto& body = add_listed(bodies_.read(t, BodyRole::kBody), node);
       check_friction(t, body.friction);
       effects_.set_surface(body.id, effects_.read_surface(t));
       effects_.read_body(t, body);
@@ -202,6 +202,7 @@ class SceneReader {
       if (made.bodies.empty()) continue;
       check_friction(t, made.part.friction);
       made.part.first = static_cast<BodyId>(scene_.bodies.size());
+      made.part.line = node.line;
       for (const auto& body : made.bodies) effects_.set_surface(add(body).id, surface);
       scene_.generated.push_back(std::move(made.part));
     }
@@ -211,6 +212,12 @@ class SceneReader {
     body.id = static_cast<BodyId>(scene_.bodies.size());
     scene_.bodies.push_back(body);
     return scene_.bodies.back();
+  }
+
+  physics::Body& add_listed(physics::Body body, const text::TomlNode& table) {
+    const text::TomlNode* name = table.find("name");
+    scene_.listed.push_back({.name = name == nullptr ? "" : name->text, .line = table.line});
+    return add(std::move(body));
   }
 
   void check_friction(text::TableReader& t, double friction) {

@@ -103,9 +103,16 @@ struct GeneratedPart {
   std::string kind;       // wall, pile, tower, card_house, domino_row
   BodyId first{kNoBody};  // ids first .. first + count - 1
   unsigned count{0};
+  unsigned line{0};                   // of its table in the file
   double friction{0};                 // of its bodies
   std::vector<double> foot_friction;  // card house, by level from the ground: min. coefficient under its cards' feet
   double top_friction{0};             // card house: min. coefficient between a top and the flat card on it; 0 otherwise
+};
+
+// Where a body stands in the file.
+struct ListedBody {
+  std::string name;  // empty: none
+  unsigned line{0};  // of its table
 };
 
 // Counts of the conversion of a triangle file into a mesh.
@@ -150,7 +157,8 @@ struct Scene {
   SleepingChoice sleeping;
   unsigned members{64};  // cap of the sub-world, the proxy included
   unsigned ratio{10};
-  std::vector<GeneratedPart> generated;  // in the order of the file
+  std::vector<ListedBody> listed;        // by body id: the proxies, then the bodies in the order of the file
+  std::vector<GeneratedPart> generated;  // the ids behind them, in the order of the file
   std::string source;                    // the text that it was loaded from, with its files' data; stored in the tape
 
   // Refers to this scene's lists, which must stay unchanged as long as it is used.

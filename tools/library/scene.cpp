@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/loader/body_label.h"
 #include "sim/loader/scene_load.h"
 #include "tools/library/access.h"
 #include "tools/library/values.h"
@@ -123,10 +122,9 @@ std::string Scene::body_name(BodyNumber number) const {
   if (body_of(static_cast<const sim::Scene*>(scene_.get()), number) == nullptr) return {};
   for (unsigned hand = 0; hand < hands(); ++hand)
     if (number == proxy(hand)) return hand == 0 ? "proxy" : fmt::format("proxy{}", hand + 1);
-  // "'door' (line 12)", "body 3 (line 20)"
-  std::string label = sim::body_label(Access::scene(*this), number);
-  label.resize(std::min(label.rfind(" ("), label.size()));
-  return label.size() > 1 && label.front() == '\'' ? label.substr(1, label.size() - 2) : label;
+  const auto& listed = Access::scene(*this).listed;
+  if (number < listed.size() && !listed[number].name.empty()) return listed[number].name;
+  return fmt::format("body {}", number);
 }
 
 std::vector<Vector3> Scene::corners(BodyNumber number) const {

@@ -146,6 +146,15 @@ interface Group {
   outsideBodies: number[];
 }
 
+// Without a graphics card WebGL is drawn by the processor: smooth edges would take a quarter of the picture's time.
+function drawsInSoftware(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const names = gl?.getExtension("WEBGL_debug_renderer_info");
+  const renderer = names ? String(gl!.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /llvmpipe|softpipe|swiftshader|basic render/i.test(renderer);
+}
+
 export class Scene3d {
   private readonly renderer: THREE.WebGLRenderer;
   private readonly scene = new THREE.Scene();
@@ -164,7 +173,7 @@ export class Scene3d {
   private following = false;
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly world: World) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawsInSoftware(), preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.scene.background = new THREE.Color("#f4f6f8");
     const light = new THREE.DirectionalLight("#ffffff", 2);
