@@ -32,8 +32,9 @@ def scene(name):
 
 def program(*arguments):
     """The program's JSON object; its status is not looked at."""
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}  # the module's sanitizer
     out = subprocess.run([PROGRAM, *map(str, arguments), "--json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                         check=False).stdout
+                         env=environment, check=False).stdout
     return json.loads(out)
 
 

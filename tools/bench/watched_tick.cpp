@@ -10,6 +10,7 @@
 #include "rt/base/denormals.h"
 #include "rt/loop/timed_tick.h"
 #include "sim/loader/scene_load.h"
+#include "sim/model/choice_names.h"
 #include "sim/snapshot_server.h"
 #include "tools/publication/publication.h"
 #include "tools/session/session.h"
@@ -36,7 +37,9 @@ Status run(const char* file, std::string_view coupling, std::string_view mode, i
   session::RunOptions options;
   options.virtual_time = true;
   options.duration_s = 1;
-  if (coupling == "direct") options.coupling = haptics::CouplingScheme::kDirect;
+  const auto scheme = sim::parse_coupling_scheme(coupling);
+  if (!scheme) return Status::error("the coupling's name is wrong");
+  options.coupling = *scheme;
   auto made = session::Session::create(std::move(scene).value(), options);
   if (!made.ok()) return made.status();
   session::Session& session = *made.value();

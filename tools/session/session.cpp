@@ -254,7 +254,7 @@ Result<std::unique_ptr<Session>> Session::create_hand(sim::Scene scene_in, RunOp
   session->gpio = std::move(hardware.gpio);
   const haptics::DeviceProperties& device = session->device->properties();
   if (options.hands > 1) {
-    if (options.coupling != haptics::CouplingScheme::kSubWorld)
+    if (!haptics::traits_of(options.coupling).border)
       return Status::error(fmt::format("--coupling {}: is for one hand, and {} has {}; accepted: sub-world",
                                        sim::name_of(options.coupling), scene.name, options.hands));
     if (!options.taped_device) session->options.shared_limits = shared_limits(scene, options, device);

@@ -197,6 +197,7 @@ Result<session::RunSummary> run_paced(Session& opened, const RunCommand& command
   const auto shown = ShownRun::make(session);
   service::Watchable watchable = watchable_of(session, shown.get());
   watchable.pacing = &pacing;
+  if (shown != nullptr) shown->paced_by(pacing);
   auto control =
       service::ControlServer::open(command.control, requests, g_stop, {}, session.global != nullptr, watchable);
   if (!control.ok()) return control.status();

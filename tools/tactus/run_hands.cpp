@@ -68,6 +68,7 @@ struct Watched {
     if (session.simulated() != nullptr) watchable.hand = &session.hand_input;
     if (!configuration.socket.empty()) watched.shown = ShownRun::make(session);
     if (watched.shown != nullptr) watched.shown->add_to(watchable);
+    if (watched.shown != nullptr && pacing != nullptr) watched.shown->paced_by(*pacing);
     auto service = service::RunService::open(
         configuration, common, stop, /*can_reset=*/true,
         {session.options.scene, sim::source_hash(session.scene.source), session.options.hand + 1}, watchable);

@@ -88,14 +88,16 @@ void ShownRun::end(const session::RunSummary& summary) {
 
 void ShownRun::say(const session::RunSummary& summary, bool ended) {
   const session::Verdict verdict = session::judge(summary);
-  publication_->say(json_text(nlohmann::ordered_json{{"kind", "state"},
-                                                     {"level", session::name_of(verdict.level())},
-                                                     {"verdict", verdict.line()},
-                                                     {"why", verdict.text()},
-                                                     {"ended", ended},
-                                                     {"faults", faults_told_},
-                                                     {"fault_tape", fault_tape_},
-                                                     {"fault_tape_error", fault_tape_error_}}));
+  nlohmann::ordered_json state{{"kind", "state"},
+                               {"level", session::name_of(verdict.level())},
+                               {"verdict", verdict.line()},
+                               {"why", verdict.text()},
+                               {"ended", ended},
+                               {"faults", faults_told_},
+                               {"fault_tape", fault_tape_},
+                               {"fault_tape_error", fault_tape_error_}};
+  if (pacing_ != nullptr) state["pace"] = pacing_->pace.load(std::memory_order_relaxed);
+  publication_->say(json_text(state));
 }
 
 }  // namespace tactus::tools

@@ -22,6 +22,8 @@ class ShownRun {
 
   // Of the run `self`.
   static void stepped(void* self, const sim::GlobalWorld& world) noexcept;
+  // Of a run in virtual time; `pacing` outlives this.
+  void paced_by(const service::Pacing& pacing) noexcept { pacing_ = &pacing; }
   void take_setup(const loop::SetupReport& setup) { running_.take_setup(setup); }
   // Says what is new. A fault that latched since the last call: its tape is being written, and said when it is there.
   void look(const session::LiveStatus& live);
@@ -41,6 +43,7 @@ class ShownRun {
 
   session::Session& session_;
   std::unique_ptr<publication::Publication> publication_;
+  const service::Pacing* pacing_{nullptr};  // null: real time
   loop::RecordTap published_;
   session::RunningSummary running_;
   std::string fault_tape_, fault_tape_error_;

@@ -171,6 +171,8 @@ class Stall(InPage):
         run = ViewedRun(PROGRAM, "view", os.path.join(SCENES, "press.toml"), "--virtual-time", "--inject", "stall@1500+300", "--pace", "0.02")
         self.addCleanup(run.kill)
         self.open(run)
+        pace = lambda: self.browser.execute_script("return document.getElementById('pace').value")  # noqa: E731
+        wait_for(lambda: pace() == "0.02", "pace of the command line")
         self.choose("#window", "1")
         self.choose("#level", "0.2")  # N a tick: pressing and sliding stay below 0.05
         self.choose("#trigger", "step")

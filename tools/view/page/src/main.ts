@@ -24,6 +24,7 @@ interface RunState extends Judged {
   ended: boolean;
   fault_page?: string; // the address of the fault's tape, served beside
   fault_tape_error: string;
+  pace?: number; // in virtual time
 }
 
 function layersOf(form: HTMLFormElement): Layers {
@@ -70,6 +71,7 @@ class Page implements Listener {
   private nextSlow_ms = 0;
   private nextLink_ms = 0;
   private pace = { wall_ms: NaN, time_s: NaN };
+  private statedPace = NaN; // by the run, last
   private pictures = 0;
   private saved = Promise.resolve(); // pictures are saved in the order of their frames, however long coding one takes
   private readonly done = { pictures: 0, update_ms: 0, render_ms: 0 }; // drawn so far: by this script, by WebGL
@@ -161,6 +163,8 @@ class Page implements Listener {
 
   // What the run says of itself.
   private takeState(state: RunState): void {
+    // A state may be older than what was chosen here since.
+    if (state.pace !== undefined && state.pace !== this.statedPace) this.player.showPace((this.statedPace = state.pace));
     showVerdict([{ ...state, of: state.ended ? "of the whole run" : "so far" }]);
     const link = element<HTMLAnchorElement>("fault_page");
     link.hidden = (state.fault_page ?? "") === "";

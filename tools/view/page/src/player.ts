@@ -47,6 +47,12 @@ export class Player {
     this.play.textContent = playing ? "pause" : "play";
   }
 
+  showPace(pace: number): void {
+    const known = [...this.pace.options].some((option) => Number(option.value) === pace);
+    if (!known) this.pace.add(new Option(`${pace} ×`, String(pace)));
+    this.pace.value = String(pace);
+  }
+
   // A run in virtual time: it goes on, and not back.
   showVirtual(): void {
     this.place.hidden = false;
@@ -58,9 +64,7 @@ export class Player {
     this.place.hidden = false;
     for (const part of this.place.querySelectorAll<HTMLElement>(".tape")) part.hidden = false;
     this.showPlaying(state.playing);
-    const known = [...this.pace.options].some((option) => Number(option.value) === state.pace);
-    if (!known) this.pace.add(new Option(`${state.pace} ×`, String(state.pace)));
-    this.pace.value = String(state.pace);
+    this.showPace(state.pace);
     this.scrub.min = String(state.begin_s);
     this.scrub.max = String(state.end_s);
     const marks = state.tapes.flatMap((tape) => tape.faults_s);
