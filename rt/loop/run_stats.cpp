@@ -51,9 +51,12 @@ void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t
   if (out.fault == fault_now) return;
   const bool latched = out.fault != Fault::kNone;
   if (latched) ++fault_count;
-  const bool listed = faults.try_push(
-      {out.tick, latched ? out.fault : fault_now, latched ? 0u : 1u, device.state, device.device_fault, device.limits});
-  if (!listed) ++fault_events_dropped;
+  const FaultEvent event{
+      out.tick, latched ? out.fault : fault_now, latched ? 0u : 1u, device.state, device.device_fault, device.limits};
+  if (!faults.try_push(event)) {
+    faults[faults.size() - 1] = event;
+    ++fault_events_dropped;
+  }
   fault_now = out.fault;
 }
 

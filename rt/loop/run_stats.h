@@ -48,7 +48,7 @@ struct RunStats {
   double device_energy_J{0}, damped_energy_J{0}, border_work_J{0}, buffer_gain_J{0}, border_tank_J{0};
   std::uint64_t sub_steps_sum{0};
   std::uint64_t restrained_cycles{0};  // cycles in which the governor allowed fewer members than configured
-  FixedVector<FaultEvent, 16> faults;  // the first 16, re-arms included
+  FixedVector<FaultEvent, 16> faults;  // re-arms included; of more than 16 the first 15 and the newest
   std::uint64_t fault_count{0};        // latched faults, without re-arms
   std::uint64_t fault_events_dropped{0};
   Fault fault_now{Fault::kNone};  // latched in the last tick

@@ -72,6 +72,18 @@ std::string_view tape_isa_tag() noexcept {
 
 namespace {
 
+// A file that begins as no tape is a person's: a scene, for example. An empty one is anybody's.
+bool is_other_file(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  std::array<char, kMagic.size()> found{};
+  const ssize_t size = ::read(file, found.data(), found.size());
+  ::close(file);
+  return size > 0 && !std::equal(found.begin(), found.begin() + size, kMagic.begin());
+}
+
 // Locks a regular file until it is closed, and empties it. False: another writer has it. A file system without locks
 // takes all.
 bool take_for_writing(int file) {
@@ -89,6 +101,7 @@ Result<std::unique_ptr<TapeWriter>> TapeWriter::create(const std::string& path, 
     return Status::error(named(path) + "a header text of " + std::to_string(text.size()) + " bytes; at most " +
                          std::to_string(kMaxTapeText) + " fit");
   }
+  if (is_other_file(path)) return Status::error(named(path) + "is there and is no tape; accepted: another name");
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
   if (file < 0) return Status::error(named(path) + "cannot be written: " + strerrordesc_np(errno));
   std::unique_ptr<TapeWriter> writer(new TapeWriter(file, path));

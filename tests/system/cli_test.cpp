@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/support/run_command.h"
+#include "tests/support/skip.h"
 
 using Catch::Matchers::Contains;
 
@@ -176,6 +177,49 @@ TEST_CASE("hil on the simulated device without a clock is exit 0, as a table, as
   const Output list = run("hil --list");
   CHECK(list.exit_code == 0);
   CHECK_THAT(list.out, Contains("watchdog") && Contains("soak"));
+}
+
+TEST_CASE("an output that cannot be written, or that is the scene itself, is refused before the work begins") {
+  const std::string mine = temporary(".toml");
+  std::filesystem::copy_file(kScenes + "press.toml", mine);
+  const auto size = std::filesystem::file_size(mine);
+  for (const std::string& command :
+       {"run " + mine + " --virtual-time --duration 0.1 --record " + mine, "experiment capacity --quick --csv " + mine,
+        "experiment energy-loss --quick --page " + mine, "timing --duration 1 --svg " + mine,
+        "timing --duration 1 --certify " + mine, "timing --duration 1 --trace " + mine,
+        "hil --device sim --virtual-time --only clock --junit " + mine,
+        std::string("experiment capacity --quick --csv /nonexistent/x.csv")}) {
+    const Output output = run(command);
+    INFO(command << "\n" << output.err);
+    CHECK(output.exit_code == 2);
+    CHECK(lines(output.err) == 1);
+    CHECK(output.out.empty());
+    CHECK_THAT(output.err, Contains("; accepted: "));
+    CHECK(std::filesystem::file_size(mine) == size);
+  }
+  std::filesystem::remove(mine);
+}
+
+TEST_CASE("a result that standard output does not take is no success") {
+  TACTUS_NEEDS(access("/dev/full", W_OK) == 0, "there is no /dev/full");
+  const std::string scene = kScenes + "press.toml";
+  for (const std::string& command : {"scene check " + scene, "scene check --json " + scene, std::string("scene keys"),
+                                     "run " + scene + " --virtual-time --duration 0.1 --json"}) {
+    const Output output = run(command + " >/dev/full");
+    INFO(command << "\n" << output.err);
+    CHECK(output.exit_code == 3);
+    CHECK(lines(output.err) == 1);
+  }
+}
+
+TEST_CASE("a file's name does not command the terminal") {
+  for (const char* command : {"run", "config check", "sweep", "replay", "run --config",
+                              "run sim/scenes/press.toml --device-file", "scene check"}) {
+    const Output output = run(command + std::string(" '\x1b[31mred.toml'"));
+    INFO(command << "\n" << output.err);
+    CHECK(output.exit_code != 0);
+    CHECK(output.err.find('\x1b') == std::string::npos);
+  }
 }
 
 TEST_CASE("a device that is not there is one line and exit 3, for run and for hil") {

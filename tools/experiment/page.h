@@ -9,6 +9,9 @@
 
 namespace tactus::experiment {
 
+// Error, as of write_page: what drawing a page needs is not there. For before the experiment.
+Status check_page_writer();
+
 // `json`: output of the experiment; `command`: command line that produced it. Error, one line: what is missing and how
 // to install it.
 Status write_page(const std::string& experiment, const std::string& json, const std::string& command,

@@ -15,6 +15,13 @@ namespace tactus::exporting {
 // Error: the file exists, and `overwrite` is false. Other files than regular ones, such as a pipe, may exist.
 Status check_output(const std::string& path, bool overwrite);
 
+// What writes over a file only if it wrote such a file before: by how the file begins.
+enum class OutputKind { kTape, kCsv, kHdf5, kSvg, kPage, kTrace, kBudget, kJunit };
+
+// Error: the folder is not there or cannot be written, the path is a folder, or a file of another kind is there, such
+// as the scene itself. An empty file, and what is no regular file, may be written.
+Status check_replaced(const std::string& path, OutputKind kind);
+
 class OutputFile {
  public:
   static Result<std::unique_ptr<OutputFile>> create(const std::string& path);

@@ -54,7 +54,12 @@ class PerfettoSink final : public Sink {
 
   Status finish() override {
     if (cycle_) end_cycle(last_us_);
-    file_->write("\n]}\n");
+    const session::TapeSettings& settings = context_.tape->settings;
+    const ordered_json other{{"written_by", context_.program},
+                             {"recorded_by", settings.made_by},
+                             {"scene", settings.scene_file},
+                             {"scene_hash", settings.scene_hash}};
+    file_->write("\n],\"otherData\":" + json_text(other) + "}\n");
     return file_->finish();
   }
 

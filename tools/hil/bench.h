@@ -20,6 +20,7 @@ struct HilOptions {
   bool stepped{false};      // no clock: the link is stepped tick by tick
   bool judge_timing{true};  // false: times are shown and not judged
   bool can{false};          // the link is a CAN bus
+  bool own_clock{true};     // false: the device's clock is that of the periods of this program
   std::uint64_t soak_frames{0};
   double quiet_s{5};  // duration of the exchange from which losses, times and clocks are determined
   loop::SetupRequest setup;

@@ -7,9 +7,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <thread>
 
 #include "hal/device_words.h"
+#include "tools/caught.h"
 
 namespace tactus::hil {
 namespace {
@@ -56,12 +58,16 @@ class Exchanger {
       }
     };
     if (test_.options.stepped) return body();
+    Status thrown = Status::good();
     std::thread thread([&] {
-      loop::CpuAwake awake;
-      setup = loop::setup_realtime(test_.options.setup, awake);
-      body();
+      thrown = caught([&] {
+        loop::CpuAwake awake;
+        setup = loop::setup_realtime(test_.options.setup, awake);
+        body();
+      });
     });
     thread.join();
+    if (!thrown.ok()) throw std::runtime_error(thrown.message());  // in the thread that may say so
   }
   void run(unsigned periods) {
     run(periods, [](unsigned) {});

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "hal/device_words.h"
+#include "tools/caught.h"
 
 namespace tactus::hil {
 namespace {
@@ -24,7 +25,7 @@ HeldForce::HeldForce(DeviceUnderTest& under_test, const Vec3d& direction)
   if (test_.options.stepped) return;
   thread_ = std::thread([this] {
     loop::CpuAwake awake;
-    (void)loop::setup_realtime(test_.options.setup, awake);
+    (void)caught([&] { (void)loop::setup_realtime(test_.options.setup, awake); });
     auto deadline = std::chrono::steady_clock::now();
     const auto period = std::chrono::nanoseconds(std::llround(1e9 / test_.options.rate_Hz));
     while (!stop_.load(std::memory_order_relaxed)) {

@@ -67,7 +67,9 @@ std::string to_text(const SuiteReport& report) {
 std::string to_json_text(const SuiteReport& report) {
   nlohmann::ordered_json object{{"device", report.device},
                                 {"identity", report.identity},
-                                {"verdict", report.good() ? "good" : "bad"},
+                                {"verdict", !report.good()      ? "bad"
+                                            : report.degraded() ? "degraded"
+                                                                : "good"},
                                 {"degraded", report.degraded()},
                                 {"real_time", report.real_time},
                                 {"good", report.count(Verdict::kGood)},

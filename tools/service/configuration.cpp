@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "hal/device_class.h"
 #include "rt/haptics/coupling/snapshot.h"
 #include "rt/text/read_file.h"
 #include "rt/text/table_reader.h"
@@ -49,11 +50,24 @@ class ConfigurationReader {
     return text.empty() ? std::filesystem::path() : folder_ / text;
   }
 
+  // A name that is none is said at its line, and the default goes on.
+  std::string device_name(text::TableReader& t, const std::string& otherwise) {
+    constexpr std::string_view kOption = "--device: ", kAccepted = "; accepted: ";
+    const std::string name = t.text("name", otherwise, kLongestText);
+    const auto choice = hal::choose_device(name);
+    if (choice.ok()) return name;
+    const std::string& message = choice.message();
+    const std::size_t split = message.find(kAccepted), begin = message.starts_with(kOption) ? kOption.size() : 0;
+    if (split == std::string::npos) return name;
+    t.mistake("name", message.substr(begin, split - begin), message.substr(split + kAccepted.size()));
+    return otherwise;
+  }
+
   void read_device() {
     const std::span<const text::TomlNode> tables = root_.tables("device", sim::kMaxHands);
     if (tables.size() > 1) return read_devices(tables);
     text::TableReader t(tables.empty() ? nullptr : &tables.front(), "[device]", diagnostics_);
-    c_.run.device = t.text("name", c_.run.device, kLongestText);
+    c_.run.device = device_name(t, c_.run.device);
     c_.run.device_file = path(t, "file");
     c_.run.gpio = t.text("gpio", "", kLongestText);
     t.refuse("core", "is of several devices", "[cores] haptic");
@@ -64,7 +78,7 @@ class ConfigurationReader {
     for (const text::TomlNode& node : tables) {
       text::TableReader t(&node, fmt::format("[device.{}]", c_.devices.size() + 1), diagnostics_);
       DeviceChoice choice;
-      choice.name = t.text("name", choice.name, kLongestText);
+      choice.name = device_name(t, choice.name);
       choice.file = path(t, "file");
       const unsigned core = t.count("core", 0, {"a core", 0, 4095});
       if (t.has("core")) choice.core = static_cast<int>(core);

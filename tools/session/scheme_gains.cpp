@@ -34,14 +34,18 @@ Status refuse_device_gains(const sim::Scene& scene, const RunOptions& options, c
   // In the units of the scene's keys; values at the hand are `scale` times these (motion_scale).
   const auto line = [&](const haptics::AxisVerdict& v, double scale, const char* stiffness, const char* damping,
                         double use_stiffness, double use_damping) {
-    return Status::error(
-        fmt::format("{}: [coupling] {} = {:g} with {} = {:g} is not stable at {:g} Hz on this device{}; accepted: with "
-                    "that damping "
-                    "{} up to {:g} ({:g} of the limit {:.4g}), {} up to {:g}; use {} = {:g}, {} = {:g}",
-                    scene.name, stiffness, v.stiffness / scale, damping, v.damping / scale, options.rate_Hz, late,
-                    stiffness, sim::rounded_down(v.stiffness_allowed / scale), haptics::kAllowedStiffnessShare,
-                    v.stiffness_limit / scale, damping, sim::rounded_down(v.damping_limit / scale), stiffness,
-                    sim::rounded_down(use_stiffness / scale), damping, sim::rounded_down(use_damping / scale)));
+    const double most = sim::rounded_down(v.stiffness_allowed / scale);
+    const std::string accepted =
+        most > 0 ? fmt::format("{} up to {:g} with that damping ({:g} of the limit {:.4g})", stiffness, most,
+                               haptics::kAllowedStiffnessShare, v.stiffness_limit / scale)
+                 : fmt::format("{} up to {:g}, such as {:g} with {} = {:g}", damping,
+                               sim::rounded_down(v.damping_limit / scale), sim::rounded_down(use_damping / scale),
+                               stiffness, sim::rounded_down(use_stiffness / scale));
+    const std::string frame =
+        scale == 1 ? "" : fmt::format(", all as in the scene: at the hand {:g} times as much", scale);
+    return Status::error(fmt::format(
+        "{}: [coupling] {} = {:g} with {} = {:g} is not stable at {:g} Hz on this device{}; accepted: {}{}", scene.name,
+        stiffness, v.stiffness / scale, damping, v.damping / scale, options.rate_Hz, late, accepted, frame));
   };
   return verdict.translation.accepted ? line(verdict.rotation, 1, "stiffness_Nm_per_rad", "damping_Nms_per_rad",
                                              use.stiffness_Nm_per_rad, use.damping_Nms_per_rad)

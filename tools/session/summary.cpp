@@ -183,13 +183,14 @@ std::string fault_text(const loop::FaultEvent& event) {
 std::string faults_text(const RunSummary& s) {
   const std::uint64_t count = s.stats.fault_count;
   std::string text = fmt::format("faults                 {}\n", count == 0 ? "none" : fmt::format("{}", count));
+  std::size_t left = s.stats.faults.size();
   for (const auto& event : s.stats.faults) {
+    if (--left == 0 && s.stats.fault_events_dropped > 0)
+      text += fmt::format("  {} {}, faults and re-arms, not listed\n", s.stats.fault_events_dropped,
+                          s.stats.fault_events_dropped == 1 ? "event" : "events");
     text += fmt::format("  tick {:<17} {}{}\n", event.tick, event.cleared != 0 ? "re-armed after: " : "",
                         event.cleared != 0 ? std::string(describe(event.fault)) : fault_text(event));
   }
-  if (s.stats.fault_events_dropped > 0)
-    text += fmt::format("  {} more {}, faults and re-arms, are not listed\n", s.stats.fault_events_dropped,
-                        s.stats.fault_events_dropped == 1 ? "event" : "events");
   for (const std::string& refusal : s.arm_refusals) text += fmt::format("  not armed: {}\n", refusal);
   return text;
 }
@@ -374,7 +375,6 @@ json faults_json(const RunSummary& s) {
 }  // namespace
 
 bool RunSummary::fault_latched() const noexcept {
-  if (stats.fault_events_dropped > 0) return stats.fault_now != Fault::kNone;
   return !stats.faults.empty() && stats.faults.items[stats.faults.size() - 1].cleared == 0;
 }
 

@@ -23,8 +23,8 @@ double share_of(std::uint64_t part, std::uint64_t whole) {
 
 Ruling fault_of(const RunSummary& s) {
   const auto& faults = s.stats.faults;
-  const bool latched = s.fault_latched(), listed = s.stats.fault_events_dropped == 0;
-  const Fault fault = !latched ? Fault::kNone : listed ? faults[faults.size() - 1].fault : s.stats.fault_now;
+  const bool latched = s.fault_latched();
+  const Fault fault = latched ? faults[faults.size() - 1].fault : Fault::kNone;
   return {"fault",
           "faults latched at the end",
           "",

@@ -76,7 +76,7 @@ int check_file(const ConfigOptions& options) {
     fmt::print("{}\n", report_text(nlohmann::ordered_json{{"good", problems.empty()}, {"problems", problems}}, 2));
   else if (problems.empty())
     fmt::print("{}\n", good);
-  for (const std::string& problem : problems) fmt::print(stderr, "{}\n", problem);
+  for (const std::string& problem : problems) fmt::print(stderr, "{}\n", printable_lines(problem));
   return problems.empty() ? kExitGood : kExitBadInput;
 }
 

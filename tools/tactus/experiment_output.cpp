@@ -8,13 +8,25 @@
 
 #include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/output_option.h"
+#include "tools/version/provenance.h"
 
 namespace tactus::tools {
 
-void OutputOptions::add_csv(CLI::App& command, const char* help) { command.add_option("--csv", csv, help); }
-void OutputOptions::add_svg(CLI::App& command, const char* help) { command.add_option("--svg", svg, help); }
+void OutputOptions::add_csv(CLI::App& command, const char* help) {
+  add_output(command, "--csv", csv, exporting::OutputKind::kCsv, help);
+}
+void OutputOptions::add_svg(CLI::App& command, const char* help) {
+  add_output(command, "--svg", svg, exporting::OutputKind::kSvg, help);
+}
 void OutputOptions::add_page(CLI::App& command, const char* what) {
-  command.add_option("--page", page, fmt::format("draws {} into this HTML file; needs python3-matplotlib", what));
+  add_output(command, "--page", page, exporting::OutputKind::kPage,
+             fmt::format("draws {} into this HTML file; needs python3-matplotlib", what))
+      ->check([](const std::string&) {
+        const Status status = experiment::check_page_writer();
+        if (!status.ok()) throw CLI::RuntimeError(status.message(), kExitMachineCannot);
+        return std::string();
+      });
 }
 void OutputOptions::add_quick(CLI::App& command, const char* help) { command.add_flag("--quick", quick, help); }
 void OutputOptions::add_json(CLI::App& command) { command.add_flag("--json", json, "one JSON object on stdout"); }
@@ -27,7 +39,8 @@ int print_and_write(const OutputOptions& options, const ExperimentText& text) {
 
 int draw_page(const OutputOptions& options, const ExperimentText& text, const std::string& command, int exit_code) {
   if (options.page.empty()) return exit_code;
-  const Status status = experiment::write_page(text.page, text.json, command + " --page " + options.page, options.page);
+  const Status status =
+      experiment::write_page(text.page, text.json, command + " --page " + shell_word(options.page), options.page);
   return status.ok()
              ? exit_code
              : complain_after(fmt::format("tactus experiment {}: {}", text.name, status.message()), kExitMachineCannot);

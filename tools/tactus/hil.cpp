@@ -17,6 +17,7 @@
 #include "tools/session/find_description.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/hil_calibrate.h"
+#include "tools/tactus/output_option.h"
 #include "tools/tactus/stop_signals.h"
 
 namespace tactus::tools {
@@ -210,6 +211,7 @@ int run_hil(HilCommand& c) {
   c.options.stepped = c.virtual_time;
   c.options.judge_timing = c.timing == "judge";
   c.options.can = device_class.can_interfaces != nullptr;
+  c.options.own_clock = device_class.real;
   c.options.soak_frames = soak_frames(c);
   c.options.setup.cpu = c.cpu;
   c.options.setup.priority = c.priority;
@@ -251,7 +253,7 @@ void add_options(CLI::App& app, HilCommand& c) {
       "instead of the checks: measure the motor values per N m of a Falcon with a kitchen scale; each push waits\n"
       "for Enter, 0.5 N first");
   app.add_option("--out", c.out, "with --calibrate: the configuration (of run --config) whose [device] gets the gain");
-  app.add_option("--junit", c.junit, "write the verdicts here as JUnit XML");
+  add_output(app, "--junit", c.junit, exporting::OutputKind::kJunit, "write the verdicts here as JUnit XML");
   app.add_flag("--json", c.json, "one JSON object on stdout, units in the keys");
 }
 

@@ -63,6 +63,7 @@ std::string explain_extra(const CLI::App& app, const std::string& extra) {
 }
 
 std::string explain_other(const CLI::App& app, const std::string& said) {
+  if (said.find("; accepted: ") != std::string::npos) return fmt::format("{}: {}", path_of(app), said);
   return fmt::format("{}: {}; accepted: see {} --help", path_of(app), said, path_of(app));
 }
 
@@ -94,7 +95,8 @@ int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code
   } catch (const CLI::ConversionError& error) {
     return complain(explain_value(innermost(program), error.what()), kExitBadInput);
   } catch (const CLI::ParseError& error) {
-    return complain(explain_other(innermost(program), error.what()), kExitBadInput);
+    const int status = error.get_exit_code() == kExitMachineCannot ? kExitMachineCannot : kExitBadInput;
+    return complain(explain_other(innermost(program), error.what()), status);
   }
   const CLI::App& named = innermost(program);
   const auto subcommands = subcommands_of(named);
@@ -134,6 +136,13 @@ int run_program(int argc, char** argv) {
   return parse_and_run(program, argc, argv, exit_code);
 }
 
+int after_output(int exit_code) {
+  const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  if (!lost || exit_code != kExitGood) return exit_code;
+  return complain_after("standard output cannot be written; accepted: a file or a pipe that takes it",
+                        kExitMachineCannot);
+}
+
 }  // namespace
 
 int complain(const std::string& text, int exit_code) {
@@ -141,16 +150,21 @@ int complain(const std::string& text, int exit_code) {
   return complain_after(text, exit_code);
 }
 
+std::string printable_lines(std::string text) {
+  const auto is_control = [](char c) { return (static_cast<unsigned char>(c) < 32 && c != '\n') || c == 127; };
+  std::replace_if(text.begin(), text.end(), is_control, '?');
+  return text;
+}
+
 int complain_of_each(const std::string& lines, int exit_code) {
   print_error_object(lines, exit_code);
-  fmt::print(stderr, "tactus: {}\n", lines);
+  fmt::print(stderr, "tactus: {}\n", printable_lines(lines));
   return exit_code;
 }
 
 int complain_after(const std::string& text, int exit_code) {
-  std::string line = text;
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
-  std::replace_if(line.begin(), line.end(), is_control, ' ');
+  std::string line = printable_lines(text);
+  std::replace(line.begin(), line.end(), '\n', ' ');
   // A text that begins with a command's path begins with the program's name already.
   fmt::print(stderr, "{}{}\n", line.starts_with("tactus") ? "" : "tactus: ", line);
   return exit_code;
@@ -170,7 +184,7 @@ int main(int argc, char** argv) {
   // A write beyond the file size limit is then an error of that file and does not end the run.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
-    return tactus::tools::run_program(argc, argv);
+    return tactus::tools::after_output(tactus::tools::run_program(argc, argv));
   } catch (const std::bad_alloc&) {
     return tactus::tools::complain("out of memory", tactus::tools::kExitMachineCannot);
   } catch (const std::exception& error) {

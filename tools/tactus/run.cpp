@@ -21,6 +21,7 @@
 #include "tools/session/realtime_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/keyboard.h"
+#include "tools/tactus/output_option.h"
 #include "tools/tactus/run_figures.h"
 #include "tools/tactus/run_hands.h"
 #include "tools/tactus/shown_run.h"
@@ -429,7 +430,9 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--priority", o.priority, "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")
       ->capture_default_str();
   app.add_flag("--virtual-time", command.virtual_time, "one thread on a virtual clock: the same bits every time");
-  app.add_option("--record", command.record, "write a tape here, for `tactus replay`; of a second hand my.2.tape");
+  check_output(
+      *app.add_option("--record", command.record, "write a tape here, for `tactus replay`; of a second hand my.2.tape"),
+      exporting::OutputKind::kTape);
   app.add_option("--budget", command.budget,
                  "hold the run against this file of `tactus timing --certify`: refused on another machine, at a\n"
                  "higher rate or with more sub-steps than measured; with more members it runs with fewer");

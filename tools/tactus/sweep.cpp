@@ -12,6 +12,7 @@
 #include "tools/experiment/shared_files.h"
 #include "tools/json_text.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/output_option.h"
 #include "tools/tactus/python_module.h"
 
 namespace tactus::tools {
@@ -86,10 +87,11 @@ CLI::App* add_sweep_command(CLI::App& program, int& exit_code) {
   app->add_flag("--trust-network", command->trust_network,
                 "a scheduler runs the code of any client that connects: take one that is neither on loopback nor TLS");
   app->add_option("--folder", command->folder, "of the results; default: FILE's name with .sweep, in this folder");
-  app->add_option("--csv", command->csv, "write the table of all units that are done into this file");
-  app->add_option("--hdf5", command->hdf5,
-                  "write the same table into this HDF5 file: the dataset units, a field for each column\n"
-                  "(Debian: python3-h5py)");
+  add_output(*app, "--csv", command->csv, exporting::OutputKind::kCsv,
+             "write the table of all units that are done into this file");
+  add_output(*app, "--hdf5", command->hdf5, exporting::OutputKind::kHdf5,
+             "write the same table into this HDF5 file: the dataset units, a field for each column\n"
+             "(Debian: python3-h5py)");
   CLI::Option* fresh = app->add_flag("--fresh", command->fresh, "forget what is done of these units");
   app->add_flag("--list", command->list, "print the command of each unit that is not done, run nothing");
   app->add_option("--unit", command->unit, "run this one alone, by its name: what --list prints");

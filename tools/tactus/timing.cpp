@@ -10,6 +10,7 @@
 #include "tools/doctor/examine.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/output_option.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/tactus/timed_viewer.h"
 #include "tools/timing/budget.h"
@@ -78,15 +79,15 @@ std::string command_of(const TimingCommand& command, int cpu) {
   std::string text =
       fmt::format("tactus timing --duration {:g} --rate {:g} --cpu {} --priority {} --ratio {} --load {}", o.duration_s,
                   o.run.rate_Hz, cpu, o.run.priority, o.ratio, command.load);
-  if (o.run.device != "sim") text += " --device " + o.run.device;
-  if (!o.run.device_file.empty()) text += " --device-file " + o.run.device_file.string();
+  if (o.run.device != "sim") text += " --device " + shell_word(o.run.device);
+  if (!o.run.device_file.empty()) text += " --device-file " + shell_word(o.run.device_file.string());
   text += o.run.scene.empty() ? fmt::format(" --members {} --sub-steps {}", o.members, o.sub_steps)
-                              : " --scene " + o.run.scene.string();
+                              : " --scene " + shell_word(o.run.scene.string());
   if (command.no_bare) text += " --no-bare";
   if (o.os_noise) text += " --os-noise";
-  if (!command.against.empty()) text += " --against " + command.against;
+  if (!command.against.empty()) text += " --against " + shell_word(command.against);
   if (o.with_viewer) text += fmt::format(" --with-viewer --window {:g}", o.window_s);
-  return text + " --svg " + command.svg;
+  return text + " --svg " + shell_word(command.svg);
 }
 
 int run_timing_command(TimingCommand& command) {
@@ -180,9 +181,11 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
                 "every second window with `tactus view` and a page that takes all frames, in the bare timer's place:\n"
                 "ratios of the wake-up and of a tick's own part, p50 and p99")
       ->excludes("--no-bare");
-  app->add_option("--svg", command->svg, "plot the times into this file");
-  app->add_option("--trace", command->trace, "write the worst spikes and the last second for Perfetto");
-  app->add_option("--certify", command->certify, "sign the capacity off into this file, for `tactus run --budget`");
+  using enum exporting::OutputKind;
+  add_output(*app, "--svg", command->svg, kSvg, "plot the times into this file");
+  add_output(*app, "--trace", command->trace, kTrace, "write the worst spikes and the last second for Perfetto");
+  add_output(*app, "--certify", command->certify, kBudget,
+             "sign the capacity off into this file, for `tactus run --budget`");
   app->add_flag("--strict", command->strict, "the exit status is 1 also where the machine did not keep up");
   app->add_flag("--json", command->json, "one JSON object on stdout, units in the keys");
   app->callback([command, &exit_code] { exit_code = run_timing_command(*command); });

@@ -48,7 +48,7 @@ int run_tune_command(TuneCommand& command) {
   const auto report = tune::run_tune(command.request, experiment::terminal_progress(), g_stop_tuning);
   if (!report.ok()) return complain("tactus tune: " + report.message(), kExitBadInput);
   fmt::print("{}\n", command.json ? tune::tune_json(report.value()) : tune::tune_text(report.value()));
-  return report.value().fits && report.value().real.holds() ? kExitGood : kExitVerdictBad;
+  return report.value().good() ? kExitGood : kExitVerdictBad;
 }
 
 }  // namespace
@@ -63,7 +63,8 @@ CLI::App* add_tune_command(CLI::App& program, int& exit_code) {
       "is measured in virtual time on the scene's own hand, against all bodies at 1 kHz; so the scene has at most 256\n"
       "that move, and its hand touches something in its first 6 s (with --quick 3 s). Then the choice is run in real\n"
       "time on the simulated device. Contacts are never made stiffer or softer: what that would cost is said.\n"
-      "Exit status: 0 good; 1 nothing fits, or the choice does not hold; 2 bad usage or scene; 3 the budget is not\n"
+      "Exit status: 0 good; 1 nothing fits, the choice does not hold, or the scene is bad; 2 bad usage or scene; 3 the "
+      "budget is not\n"
       "this machine's.\n\n"
       "Examples:\n  tactus tune sim/scenes/stack20.toml\n  tactus tune sim/scenes/pile250.toml --cpu 3 --budget "
       "budget.json --json");

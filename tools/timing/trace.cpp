@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/json_text.h"
+#include "tools/version/version.h"
 
 namespace tactus::timing {
 namespace {
@@ -72,7 +73,8 @@ std::string trace_json(const TickStatistics& books) {
                       {"pid", kProcess},
                       {"tid", kHapticThread},
                       {"args", {{"tick", spike.times.tick}, {"evidence", spike.attribution.evidence}}}});
-  return json_text(ordered_json{{"displayTimeUnit", "ns"}, {"traceEvents", events}});
+  return json_text(ordered_json{
+      {"displayTimeUnit", "ns"}, {"traceEvents", events}, {"otherData", {{"written_by", "tactus " + version()}}}});
 }
 
 }  // namespace tactus::timing

@@ -183,6 +183,7 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
   const auto profile = session::find_description(request.scene.device.profile, {});
   if (!profile.ok()) return profile.status();
   const Setting written = written_setting(request, report.bodies);
+  report.of_scene = session::judge(sim::report_on(request.scene, profile.value().properties, request.run.period_s()));
 
   const experiment::Pace pace(progress, kReferenceWork + kTrials + 2 * kRealWork);
   pace.say("the scene as it is written, in real time", 0);

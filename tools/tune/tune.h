@@ -11,6 +11,7 @@
 #include <atomic>
 
 #include "tools/experiment/progress.h"
+#include "tools/session/verdict.h"
 #include "tools/tune/search.h"
 
 namespace tactus::tune {
@@ -54,9 +55,12 @@ struct TuneReport {
   double core_factor{1};  // time of a tick in the loop divided by that of the same tick back to back
   Trial written, chosen;
   bool fits{false};
-  RealRun real;  // of the chosen one
+  session::Verdict of_scene;  // before any run, by the rule of `tactus scene check`
+  RealRun real;               // of the chosen one
   std::vector<FurtherStep> further;
   unsigned trials{0};
+
+  bool good() const { return fits && real.holds() && of_scene.level() != session::Level::kBad; }
 };
 
 // Error, one line: why there is nothing to tune, or what the system refuses.

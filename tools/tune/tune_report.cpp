@@ -65,8 +65,11 @@ std::string snippet_of(const TuneReport& report) {
 }
 
 std::string tune_text(const TuneReport& r) {
-  std::string text = fmt::format("{:<11} {:>9} {:>6} {:>8} {:>6} {:>12} {:>12} {:>15}\n", r.scene, "sub-steps", "relax",
-                                 "members", "ratio", "force err. %", "tick p99 us", "global us/tick");
+  std::string text;
+  if (r.of_scene.level() != session::Level::kGood)
+    text = fmt::format("the scene itself is {}\n{}\n", r.of_scene.line(), r.of_scene.text());
+  text += fmt::format("{:<11} {:>9} {:>6} {:>8} {:>6} {:>12} {:>12} {:>15}\n", r.scene, "sub-steps", "relax", "members",
+                      "ratio", "force err. %", "tick p99 us", "global us/tick");
   text += line_of("as written", r.written) + line_of(r.fits ? "chosen" : "cheapest", r.chosen);
   text += fmt::format(
       "\n{} settings, {} windows of 200 ms in which the hand presses, against all {} bodies at 1 kHz with 16 sub-steps "
@@ -102,6 +105,7 @@ std::string tune_json(const TuneReport& r) {
   return report_text(ordered_json{{"scene", r.scene},
                                   {"scene_file", r.file},
                                   {"scene_hash", r.scene_hash},
+                                  {"scene_verdict", r.of_scene.line()},
                                   {"bodies", r.bodies},
                                   {"windows", r.windows},
                                   {"trials", r.trials},

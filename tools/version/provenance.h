@@ -17,6 +17,9 @@ struct Provenance {
   std::string command;  // what a person types to get the same
 };
 
+// A word of such a command as a shell reads it: in quotes where it needs them.
+std::string shell_word(const std::string& word);
+
 // Of this moment, on this machine.
 Provenance provenance(const std::string& command);
 

@@ -151,7 +151,9 @@ TEST_CASE("faults beyond the list are counted all the same") {
   }
   CHECK(run.stats.faults.size() == 16);
   CHECK(run.stats.fault_count == 20);
-  CHECK(run.stats.faults[15].tick == 15);
+  CHECK(run.stats.faults[14].tick == 14);
+  CHECK(run.stats.faults[15].tick == 39);  // the newest
+  CHECK(run.stats.fault_events_dropped == 24);
 }
 
 TEST_CASE("an overrun's cause: late wake-up, own work, or the machine") {

@@ -293,6 +293,23 @@ TEST_CASE("what cannot be written is said, with the name of the tape", "[loop]")
   CHECK(read_tape(file.path()).records.size() == 1);
 }
 
+TEST_CASE("a file that is no tape is not written over, a tape and an empty file are", "[loop]") {
+  const TemporaryFile file;
+  const std::string scene = "[proxy]\nshape = \"sphere\"\n";
+  std::ofstream(file.path()) << scene;
+  const auto refused = TapeWriter::create(file.path(), kText);
+  REQUIRE(!refused.ok());
+  CHECK(contains(refused.message(), "is there and is no tape; accepted: another name"));
+  std::ifstream left(file.path());
+  CHECK(std::string(std::istreambuf_iterator<char>(left), {}) == scene);
+  std::ofstream(file.path(), std::ios::trunc);
+  for (int i = 0; i < 2; ++i) {
+    auto writer = TapeWriter::create(file.path(), kText);
+    REQUIRE(writer.ok());
+    REQUIRE(writer.value()->close().ok());
+  }
+}
+
 TEST_CASE("a full disk is told when the tape is made, and stays told", "[loop]") {
   TACTUS_NEEDS(access("/dev/full", W_OK) == 0, "there is no /dev/full");
   const auto full = TapeWriter::create("/dev/full", kText);

@@ -109,10 +109,10 @@ gpio = "chip=gpiochip0,estop=3"
 haptic = 1
 )";
   const auto reading = read_configuration(text, "t.toml", std::vector<int>{0, 1});
-  for (const char* says :
-       {"t.toml:3:8: [device.1] core: this machine has no core 9",
-        "t.toml:6:8: [device.2] gpio: the lines are of all hands; accepted: gpio of the first",
-        "t.toml:8:10: [cores] haptic: is of one hand; accepted: core in each [[device]]", "nonesuch"})
+  for (const char* says : {"t.toml:3:8: [device.1] core: this machine has no core 9",
+                           "t.toml:6:8: [device.2] gpio: the lines are of all hands; accepted: gpio of the first",
+                           "t.toml:8:10: [cores] haptic: is of one hand; accepted: core in each [[device]]",
+                           "t.toml:5:8: [device.2] name: 'nonesuch' is no device; accepted: sim, usb"})
     CHECK_THAT(reading.mistakes, Contains(says));
   CHECK_THAT(read_configuration("scene = \"/a.toml\"\n[device]\ncore = 1\n", "t.toml", std::nullopt).mistakes,
              Contains("[device] core: is of several devices; accepted: [cores] haptic"));

@@ -142,7 +142,7 @@ def main():
         status = MACHINE if isinstance(error, _core.MachineError) else INPUT
         if options['json']:
             print(json.dumps({'version': _core.__version__, 'error': str(error), 'exit_code': status}, indent=2))
-        print(f'tactus: {error}', file=sys.stderr)
+        print('tactus:', ''.join(c if c.isprintable() else '?' for c in str(error)), file=sys.stderr)
         return status
 
 
