@@ -92,8 +92,8 @@ std::string describe(Fault fault, const DeviceReport& device) {
       fault == Fault::kDeviceBrake || fault == Fault::kDeviceLeftForce || fault == Fault::kForceRefused;
   if (of_state && fault != Fault::kDeviceBrake) text += fmt::format(" (it is in {})", name_of(device.state));
   // An emergency stop that host and device saw has the same words of both.
-  const bool said = fault == Fault::kEmergencyStop &&
-                    device.fault == static_cast<std::uint32_t>(firmware::Fault::kEmergencyStop);
+  const bool said =
+      fault == Fault::kEmergencyStop && device.fault == static_cast<std::uint32_t>(firmware::Fault::kEmergencyStop);
   if (device.fault != 0 && !said) text += "; " + describe_device_fault(device.fault);
   if (of_state && device.limits != 0)
     if (const std::string limits = describe_device_limits(device.limits); !limits.empty()) text += "; " + limits;

@@ -33,6 +33,11 @@ DEFECTS = {
     "small": "document.querySelector('figure svg[role=img] text').style.fontSize = '3px'",
     "overprint": "{const t = document.querySelectorAll('g.ytick text'); for (const a of ['x', 'y', 'transform'])"
                  " t[1].setAttribute(a, t[0].getAttribute(a) || '');}",
+    "letter": "{const m = [...document.querySelectorAll('figure svg[role=img] use')].find((u) => !u.closest('g.axis'));"
+              " const g = m.parentNode.appendChild(document.createElementNS('http://www.w3.org/2000/svg', 'g'));"
+              " const t = g.appendChild(document.createElementNS('http://www.w3.org/2000/svg', 'text')); g.id = 'label';"
+              " t.textContent = 'A'; t.style.fontSize = '9px'; t.setAttribute('x', m.getAttribute('x'));"
+              " t.setAttribute('y', m.getAttribute('y'));}",
     "units": "document.querySelectorAll('g.axis > g.text text').forEach((t) => t.textContent = 'force error')",
     "ticks": "{const t = document.querySelectorAll('g.ytick text'); [t[0].textContent, t[1].textContent] ="
              " [t[1].textContent, t[0].textContent];}",

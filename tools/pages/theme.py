@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 COLOURS = {
     "paper": ("#ffffff", "#14171a"), "ink": ("#1a1a1b", "#e6e6e7"), "mute": ("#55595e", "#a9afb6"),
     "grid": ("#e2e4e7", "#33383e"), "fill": ("#f3f4f6", "#22272c"), "good": ("#006a4b", "#5fd3ab"),
-    "bad": ("#b03a00", "#ff9a66"),
+    "bad": ("#b03a00", "#ff9a66"), "shade": ("#b4b9bf", "#6a727b"),
     "c0": ("#0067a5", "#5db5f2"), "c1": ("#c94f00", "#ff8d4d"), "c2": ("#00805d", "#3fcfa3"), "c3": ("#b3508b", "#f29ccb"),
     "c4": ("#8f6a00", "#eec044"), "c5": ("#3489bd", "#9ddbff"), "c6": ("#333437", "#cfd0d3"), "c7": ("#6b4fb3", "#b9a6ff"),
 }
@@ -60,7 +60,11 @@ figure{margin:1rem 0}figcaption,.note{color:var(--mute);font-size:13px;max-width
 .note{margin:0 0 .5rem;font-size:12px}
 .legend{list-style:none;padding:0;margin:.3rem 0;display:flex;flex-wrap:wrap;gap:2px 16px;font-size:13px;max-width:none}
 .legend li{display:flex;align-items:center;gap:6px}.legend svg{flex:none}
-.wide{overflow-x:auto;max-width:100%}
+/* A table that scrolls has a shadow where more of it is: the covers move with the table, the shadows stay. */
+.wide{overflow-x:auto;max-width:100%;background:linear-gradient(to right,var(--paper) 30%,transparent) 0/40px 100% local,
+linear-gradient(to left,var(--paper) 30%,transparent) 100%/40px 100% local,
+linear-gradient(to right,var(--shade),transparent) 0/14px 100% scroll,
+linear-gradient(to left,var(--shade),transparent) 100%/14px 100% scroll;background-repeat:no-repeat}
 table{border-collapse:collapse;font-size:12px;margin:.3rem 0;overflow-wrap:normal}
 th,td{padding:2px 8px;text-align:right;border-bottom:1px solid var(--grid);vertical-align:top}
 th{text-align:right;vertical-align:bottom}td{white-space:nowrap}

@@ -75,6 +75,18 @@ TEST_CASE("A real run holds where next to nothing was given up and no tick was l
   CHECK_FALSE(run.holds());
 }
 
+TEST_CASE("A choice is not good where the scene itself is bad, and the text says so") {
+  TuneReport report;
+  report.fits = true;
+  CHECK(report.good());
+  CHECK(tune_text(report).find("the scene itself") == std::string::npos);
+  session::Ruling overlap{
+      .rule = "scene", .figure = "overlap at the start", .unit = "%", .measured = 80, .bad_above = 50};
+  report.of_scene.rulings.push_back(overlap);
+  CHECK_FALSE(report.good());
+  CHECK(tune_text(report).starts_with("the scene itself is BAD"));
+}
+
 TEST_CASE("A scene of more bodies than a run of all of them may have is refused in one line") {
   TuneRequest request;
   request.scene = test::scene_file("pile700.toml");
