@@ -80,8 +80,9 @@ TEST_CASE("A choice is not good where the scene itself is bad, and the text says
   report.fits = true;
   CHECK(report.good());
   CHECK(tune_text(report).find("the scene itself") == std::string::npos);
-  session::Ruling overlap{
-      .rule = "scene", .figure = "overlap at the start", .unit = "%", .measured = 80, .bad_above = 50};
+  session::Ruling overlap;
+  overlap.measured = 80;
+  overlap.bad_above = 50;
   report.of_scene.rulings.push_back(overlap);
   CHECK_FALSE(report.good());
   CHECK(tune_text(report).starts_with("the scene itself is BAD"));
