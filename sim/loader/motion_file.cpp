@@ -156,7 +156,8 @@ Result<MotionFile> read_motion_file(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
-    return Status::error(fmt::format("{}: there is no such file; accepted: a path from the scene file's folder", name));
+    return Status::error(fmt::format("{}: {}; accepted: a path from the scene file's folder", name,
+                                     std::filesystem::exists(path, error) ? "is no file" : "there is no such file"));
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error || size > kMaxBytes)
     return Status::error(fmt::format("{}: is too large; accepted: at most {} rows", name, kMaxMotionRows));

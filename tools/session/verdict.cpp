@@ -223,8 +223,9 @@ Ruling tape_of(const RunSummary& s) {
 // A limit is infinite if the rule does not have that level.
 std::string limit_text(const Ruling& r) {
   const double limit = r.level() == Level::kBad ? r.bad_above : r.degraded_above;
-  return limit > 0 ? fmt::format(" ({:.3g} {}; good up to {:.3g})", r.measured, r.unit,
-                                 std::min(r.degraded_above, r.bad_above))
+  const auto number = [](double x) { return std::abs(x) < 1000 ? fmt::format("{:.3g}", x) : fmt::format("{:.0f}", x); };
+  return limit > 0 ? fmt::format(" ({} {}; good up to {})", number(r.measured), r.unit,
+                                 number(std::min(r.degraded_above, r.bad_above)))
                    : "";
 }
 
