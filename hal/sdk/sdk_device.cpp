@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <thread>
 
 #include "hal/device_words.h"
 #include "rt/base/clock.h"
@@ -55,7 +56,14 @@ bool SdkWorker::end(std::int64_t longest_ns) noexcept {
   stop_.store(true, std::memory_order_relaxed);
   const auto finished = [this] { return finished_.load(std::memory_order_acquire); };
   if (port_->has_scheduler()) {
-    (void)wait_for(kLastCall_ns, finished);
+    if (!wait_for(kLastCall_ns, finished)) {
+      // It calls no more, or is in a call that does not return: then ending it may not return either.
+      std::thread([this] {
+        port_->stop_calls();
+        finish();
+      }).detach();
+      return wait_for(longest_ns, finished);
+    }
     port_->stop_calls();
   } else if (thread_.started() && !wait_for(longest_ns, finished)) {
     return false;
