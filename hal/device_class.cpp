@@ -37,6 +37,27 @@ std::string described_devices() {
   return text;
 }
 
+namespace {
+
+std::string names_where(bool (*chosen)(const DeviceClass&)) {
+  std::vector<std::string_view> names;
+  for (const DeviceClass* device_class : device_classes())
+    if (chosen(*device_class)) names.push_back(device_class->name);
+  const std::string_view last = names.back();
+  names.pop_back();
+  return names.empty() ? std::string(last) : fmt::format("{} or {}", fmt::join(names, ", "), last);
+}
+
+}  // namespace
+
+std::string simulated_devices() {
+  return names_where([](const DeviceClass& device_class) { return !device_class.real; });
+}
+
+std::string described_by_files() {
+  return names_where([](const DeviceClass& device_class) { return !device_class.describes_itself; });
+}
+
 Result<DeviceChoice> choose_device(const std::string& text) {
   const std::size_t colon = text.find(':');
   const DeviceClass* device_class = find_device_class(std::string_view(text).substr(0, colon));

@@ -53,6 +53,14 @@ struct DeviceClass {
   Result<OpenedDevice> (*open)(const DeviceRequest& request){nullptr};
   // The link alone, of classes that speak firmware/PROTOCOL.md; null for the others. Errors as open().
   Result<OpenedLink> (*open_link)(const DeviceRequest& request){nullptr};
+  // What of the machine a device takes, such as an interface or a serial number: two hands must not take the same. An
+  // empty one is any of its class. Null: simulated, as many as one likes. And how to name one's own, for messages.
+  std::vector<std::string> (*takes)(std::string_view address, const DeviceDescription& description){nullptr};
+  std::string_view each_its_own{};
+  // The device's properties are its own: a description would have no effect.
+  bool describes_itself{false};
+  // The scene's [hand] holds the tool.
+  bool hand_by_script{false};
   // What `tactus doctor` looks at: USB, or these CAN interfaces. Null: no CAN.
   bool usb{false};
   std::vector<std::string> (*can_interfaces)(std::string_view address){nullptr};
@@ -75,6 +83,11 @@ const DeviceClass* find_device_class(std::string_view name) noexcept;
 std::string accepted_devices();
 // A line for each class, for help: what --device accepts and what device that is.
 std::string described_devices();
+
+// "sim, drives-sim, falcon-sim or example": the names of those without hardware, which may run in virtual time.
+std::string simulated_devices();
+// The names of those that a description describes.
+std::string described_by_files();
 
 struct DeviceChoice {
   const DeviceClass* device_class{nullptr};

@@ -65,7 +65,7 @@ std::string name_of(haptics::DeviceState state) {
 std::string describe_device_fault(std::uint32_t number) {
   if (number == 0) return {};
   if (const std::string drive = describe_drive_fault(number); !drive.empty())
-    return fmt::format("device fault {}: {}", number, drive);
+    return fmt::format("device fault {}: {}", number_of_drive_fault(number), drive);
   if (const std::string library = describe_sdk_fault(number); !library.empty())
     return fmt::format("device fault {}: {}", number, library);
   return fmt::format("device fault {}: {}", number, words_of(static_cast<firmware::Fault>(number)));

@@ -68,8 +68,11 @@ class DriveReader {
     }
     drives_.bit_per_s = table_.count("bit_per_s", 1'000'000, {"a bit rate", 10'000, 1'000'000});
     const bool fd = codec_of(drives_.family).needs_fd;
-    const unsigned data = table_.count("data_bit_per_s", fd ? 5'000'000 : 0, {"a bit rate", 1'000'000, 8'000'000});
-    drives_.data_bit_per_s = data;
+    if (fd)
+      drives_.data_bit_per_s = table_.count("data_bit_per_s", 5'000'000, {"a bit rate", 1'000'000, 8'000'000});
+    else
+      table_.refuse("data_bit_per_s", fmt::format("{} is driven over classic CAN", codec_of(drives_.family).name),
+                    "leave it out");
   }
 
   void read_figure(text::TableReader& t, const char* key, double& value, const Range& range) {

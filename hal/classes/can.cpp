@@ -37,6 +37,12 @@ std::vector<std::string> can_interfaces(std::string_view address) {
   return {std::string(address.substr(0, address.find(':')))};
 }
 
+std::vector<std::string> takes(std::string_view address, const DeviceDescription& description) {
+  CanAddress parsed;
+  (void)parse(address, parsed);
+  return {fmt::format("{} node {}", parsed.interface, parsed.node != 0 ? parsed.node : description.can_node)};
+}
+
 Result<OpenedLink> open_link(const DeviceRequest& request) {
   CanAddress address;
   if (const Status status = parse(request.address, address); !status.ok()) return status;
@@ -61,6 +67,8 @@ const DeviceClass can_class{.name = "can",
                             .check_address = check_address,
                             .open = open_over<open_link>,
                             .open_link = open_link,
+                            .takes = takes,
+                            .each_its_own = "such as can:can0:1 and can:can0:2, or sim",
                             .can_interfaces = can_interfaces};
 
 }  // namespace tactus::hal

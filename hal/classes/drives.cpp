@@ -2,9 +2,9 @@
 // on simulated drives in the haptic thread.
 #include <fmt/format.h>
 
-#include "hal/can/can_interface.h"
 #include "hal/device_class.h"
 #include "hal/drives/bus_load.h"
+#include "hal/drives/drive_check.h"
 #include "hal/drives/drive_setup.h"
 #include "hal/drives/drive_socket.h"
 #include "hal/drives/simulated_drives.h"
@@ -20,9 +20,7 @@ std::vector<std::string> interfaces_of(std::string_view address) {
 Status check_address(std::string_view address) {
   const std::vector<std::string> names = interfaces_of(address);
   if (names.size() > kMaxBuses) return Status::error(fmt::format("names more than {} interfaces", kMaxBuses));
-  for (const std::string& name : names)
-    if (Status status = check_can_name(name); !status.ok()) return status;
-  return Status::good();
+  return check_bus_names(names);
 }
 
 Status check_drives(const DeviceRequest& request) {
@@ -32,7 +30,13 @@ Status check_drives(const DeviceRequest& request) {
         fmt::format("the description of {} has no drives; accepted: a --device-file with [drives], "
                     "such as hal/devices/point_arm_drives.toml",
                     request.profile.name));
-  return check_bus_load(drives, std::chrono::nanoseconds(request.period_ns));
+  const std::chrono::nanoseconds period(request.period_ns);
+  if (Status status = check_watchdog(drives, period); !status.ok()) return status;
+  return check_bus_load(drives, period);
+}
+
+std::vector<std::string> takes(std::string_view address, const DeviceDescription& description) {
+  return address.empty() ? description.drives.buses : interfaces_of(address);
 }
 
 Result<OpenedDevice> open(const DeviceRequest& request) {
@@ -48,11 +52,13 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
   if (!prepared.ok()) return prepared.status();
   auto arm = std::make_unique<DriveArm>(request.profile, request.period_ns, std::move(buses).value());
   // Sockets of its own: the haptic thread has the others.
-  auto same_device = [drives, interfaces] {
+  const std::vector<std::string> identities = std::move(prepared).value();
+  auto same_device = [drives, interfaces, identities] {
     auto opened = open_drive_sockets(drives, interfaces);
-    return opened.ok() ? compare_drives(drives, opened.value()) : opened.status();
+    return opened.ok() ? compare_drives(drives, opened.value(), identities) : opened.status();
   };
-  return OpenedDevice{std::make_unique<AnyDevice>(std::move(arm)), std::move(prepared).value(), same_device};
+  return OpenedDevice{std::make_unique<AnyDevice>(std::move(arm)), fmt::format("{}", fmt::join(identities, ", ")),
+                      same_device};
 }
 
 // The faults of a script that a bus of drives can have, on all drives at once.
@@ -106,12 +112,15 @@ const DeviceClass drives_class{.name = "drives",
                                .real = true,
                                .check_address = check_address,
                                .open = open,
+                               .takes = takes,
+                               .each_its_own = "such as drives:can0 and drives:can1, or drives-sim",
                                .can_interfaces = interfaces_of};
 
 const DeviceClass simulated_drives_class{.name = "drives-sim",
                                          .forms = "drives-sim",
                                          .what = "an arm of simulated CAN drives",
                                          .check_address = check_no_address,
-                                         .open = open_simulated};
+                                         .open = open_simulated,
+                                         .hand_by_script = true};
 
 }  // namespace tactus::hal

@@ -17,6 +17,7 @@ const DeviceClass example_class{.name = "example",
                                 .forms = "example",
                                 .what = "a puck on springs: the template of one's own class",
                                 .check_address = check_no_address,
-                                .open = open};
+                                .open = open,
+                                .describes_itself = true};
 
 }  // namespace tactus::hal

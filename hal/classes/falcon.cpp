@@ -70,6 +70,9 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
   return OpenedDevice{std::make_unique<AnyDevice>(std::move(device).value()), std::move(identity), {}};
 }
 
+// Falcons have no serial number: which of two is opened cannot be chosen.
+std::vector<std::string> takes(std::string_view, const DeviceDescription&) { return {{}}; }
+
 double simulated_gain_of(std::string_view address) {
   double gain = kFalconGain;
   return address.empty() || !parse_gain(address, gain).ok() ? kFalconGain : gain;
@@ -98,6 +101,9 @@ const DeviceClass falcon_class{.name = "falcon",
                                .real = true,
                                .check_address = check_address,
                                .open = open,
+                               .takes = takes,
+                               .each_its_own = "one Falcon, which has no serial number to choose by, or falcon-sim",
+                               .describes_itself = true,
                                .force_gain = gain_of,
                                .with_force_gain = with_gain};
 
@@ -106,6 +112,8 @@ const DeviceClass simulated_falcon_class{.name = "falcon-sim",
                                          .what = "a simulated Novint Falcon",
                                          .check_address = check_simulated,
                                          .open = open_simulated,
+                                         .describes_itself = true,
+                                         .hand_by_script = true,
                                          .force_gain = simulated_gain_of,
                                          .with_force_gain = simulated_with_gain};
 

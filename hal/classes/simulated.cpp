@@ -26,6 +26,7 @@ const DeviceClass simulated_class{.name = "sim",
                                   .forms = "sim",
                                   .what = "the firmware on simulated mechanics, of any description",
                                   .check_address = check_no_address,
-                                  .open = open};
+                                  .open = open,
+                                  .hand_by_script = true};
 
 }  // namespace tactus::hal

@@ -16,6 +16,10 @@ Result<OpenedLink> open_link(const DeviceRequest& request) {
   return OpenedLink{std::make_unique<AnyLink>(std::move(link).value()), std::move(name)};
 }
 
+std::vector<std::string> takes(std::string_view address, const DeviceDescription& description) {
+  return {address.empty() ? description.usb_serial : std::string(address)};
+}
+
 }  // namespace
 
 extern const DeviceClass usb_class;
@@ -26,6 +30,8 @@ const DeviceClass usb_class{.name = "usb",
                             .check_address = check_address,
                             .open = open_over<open_link>,
                             .open_link = open_link,
+                            .takes = takes,
+                            .each_its_own = "such as usb:SERIAL, or sim",
                             .usb = true};
 
 }  // namespace tactus::hal

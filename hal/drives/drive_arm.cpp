@@ -138,10 +138,12 @@ void DriveArm::watch_drives() noexcept {
   bool all_enabled = true;
   for (unsigned i = 0; i < count_; ++i) {
     const Axis& axis = axes_[i];
-    if (axis.answer.has_mode && axis.answer.fault != 0) return brake(kDriveReportsFault + i);
+    if (axis.answer.has_mode && axis.answer.fault != 0)
+      return brake(drive_fault_of(i, drives_.family, axis.answer.fault));
     if (axis.silent_periods >= kSilentPeriods) return brake(kDriveSilent + i);
     const bool enabled = !axis.answer.has_mode || axis.answer.mode == DriveMode::kEnabled;
     if (step_ == Step::kForce && !enabled && axis.answered) return brake(kDriveLeftForce + i);
+    if (step_ == Step::kForce && lacks_torque(i)) return brake(kDriveLacksTorque + i);
     all_enabled = all_enabled && enabled;
   }
   if (step_ != Step::kEnabling) return;
@@ -152,6 +154,14 @@ void DriveArm::watch_drives() noexcept {
     for (unsigned i = 0; i < count_; ++i)
       if (axes_[i].answer.mode != DriveMode::kEnabled) return brake(kDriveLeftForce + i);
   }
+}
+
+bool DriveArm::lacks_torque(unsigned i) noexcept {
+  Axis& axis = axes_[i];
+  if (!codec_->tells_torque || !axis.answered) return false;
+  const DriveAxis& of = drives_.axes[i];
+  const double damping_Nm = -of.damping_Nms_per_rad * axis.answer.speed_rad_per_s;
+  return axis.torque.lacks(axis.answer.torque_Nm, damping_Nm, of.torque_range_Nm);
 }
 
 // Host-side watchdog: the drives' own acts when this process does not.
@@ -197,6 +207,7 @@ void DriveArm::choose_step() noexcept {
     enabling_periods_ = 0;
     for (unsigned i = 0; i < count_; ++i) {  // what a drive told before says nothing about the enabling
       axes_[i].effort = 0;
+      axes_[i].torque.reset();
       axes_[i].answer.fault = 0;
       axes_[i].answer.has_mode = codec_->tells_enabled;
       axes_[i].answer.mode = DriveMode::kDisabled;
@@ -240,8 +251,10 @@ void DriveArm::send_step(double share) noexcept {
 void DriveArm::send_all(DriveAction action, const AxisVector& effort) noexcept {
   for (unsigned i = 0; i < count_; ++i) {
     const DriveAxis& axis = drives_.axes[i];
+    const double torque_Nm = axis.sign * effort[i] / axis.ratio;
+    axes_[i].torque.sent(torque_Nm);
     const DriveFrame frame = codec_->encode(axis, {.action = action,
-                                                   .torque_Nm = axis.sign * effort[i] / axis.ratio,
+                                                   .torque_Nm = torque_Nm,
                                                    .damping_Nms_per_rad = axis.damping_Nms_per_rad,
                                                    .round_up = (periods_ & 1) != 0});
     if (frame.size > 0 && !buses_[axis.bus]->send(frame)) ++counters_.not_sent;

@@ -8,6 +8,7 @@
 // When write() is not called: from the third period on the last efforts fade, with the tenth the arm brakes (fault 1).
 // When the process dies: the drives hold the last torque until their watchdog, at most 10 ms; therefore efforts are
 // limited in slope (DriveDescription::full_effort_s).
+// A drive that answers without the torque that it is sent brakes the arm (torque_watch.h), where the family tells it.
 // Faults that the arm reports itself, latched until a re-arm: 1, 4 (firmware/faults.h), and those of drive_faults.h.
 // Thread: construction, start() [setup]; read(), write() [rt]: no allocation, no lock, no wait; at most kMaxFrames
 // frames per bus and period, the rest waits for the next. Frame: the device's. Units: SI.
@@ -17,6 +18,7 @@
 
 #include "hal/drives/drive_bus.h"
 #include "hal/drives/drive_codec.h"
+#include "hal/drives/torque_watch.h"
 #include "hal/host_states.h"
 #include "hal/profiles.h"
 
@@ -59,12 +61,14 @@ class DriveArm {
     bool answered{false};        // in this period
     unsigned silent_periods{0};  // in a row
     double effort{0};            // the last one sent
+    TorqueWatch torque;
   };
 
   void drain(unsigned bus) noexcept;
   void take(unsigned bus, const ReceivedDriveFrame& received) noexcept;
   haptics::ReadStatus status_of_period() noexcept;
   void watch_drives() noexcept;
+  bool lacks_torque(unsigned axis) noexcept;
   void watch_commands() noexcept;
   void choose_step() noexcept;
   void send_step(double share) noexcept;

@@ -20,6 +20,7 @@ enum class DriveFamily : std::uint8_t {
   kMoteus = 4,       // CAN FD
   kOdrive = 5,       // CANSimple
 };
+inline constexpr unsigned kDriveFamilies = 6;
 
 inline constexpr unsigned kMaxBuses = 2;
 inline constexpr double kTurn_rad = 2.0 * 3.14159265358979323846;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/can/can_interface.h"
 #include "hal/drives/drive_codec.h"
 #include "hal/drives/drive_setup.h"
 #include "hal/kinematics/reach.h"
@@ -20,14 +21,21 @@ bool is_mit(DriveFamily family) noexcept {
   return family == DriveFamily::kDamiao || family == DriveFamily::kCubeMars || family == DriveFamily::kMiniCheetah;
 }
 
+DriveMistake of_buses(const DriveDescription& d) {
+  if (d.buses.empty() || d.buses.size() > kMaxBuses)
+    return {-1, "buses", fmt::format("{} buses", d.buses.size()), fmt::format("1 to {}", kMaxBuses)};
+  if (const Status status = check_bus_names(d.buses); !status.ok())
+    return {-1, "buses", status.message(), "the names of CAN interfaces, such as [\"can0\", \"can1\"]"};
+  return {};
+}
+
 DriveMistake of_all(const DriveDescription& d, const DeviceDescription& device) {
   const AxisKinds kinds = axes_of(device.kind);
   const DriveCodec& codec = codec_of(d.family);
   if (d.axes.size() != kinds.prismatic + kinds.rotary)
     return {-1, "axis", fmt::format("{} entries", d.axes.size()),
             fmt::format("{}, one for each axis in order", kinds.prismatic + kinds.rotary)};
-  if (d.buses.empty() || d.buses.size() > kMaxBuses)
-    return {-1, "buses", fmt::format("{} buses", d.buses.size()), fmt::format("1 to {}", kMaxBuses)};
+  if (auto found = of_buses(d); found.key != nullptr) return found;
   if (codec.needs_fd && d.data_bit_per_s == 0)
     return {-1, "data_bit_per_s", fmt::format("missing, but {} needs CAN FD", codec.name), "such as 5000000"};
   if (d.watchdog_s > kLongestWatchdog_s)
@@ -115,6 +123,28 @@ DriveMistake of_ranges(const DeviceProfile& profile, unsigned i, double farthest
 }
 
 }  // namespace
+
+Status check_bus_names(const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (Status status = check_can_name(names[i]); !status.ok()) return status;
+    for (std::size_t k = 0; k < i; ++k)
+      if (names[k] == names[i]) return Status::error(fmt::format("names {} twice, which is one bus", names[i]));
+  }
+  return Status::good();
+}
+
+Status check_watchdog(const DriveDescription& drives, std::chrono::nanoseconds period) {
+  const double period_s = static_cast<double>(period.count()) * 1e-9, least_s = kLeastWatchdogPeriods * period_s;
+  if (drives.watchdog_s >= least_s * (1 - 1e-9)) return Status::good();
+  const double least_Hz = std::ceil(kLeastWatchdogPeriods / drives.watchdog_s * (1 - 1e-9));
+  const std::string longer = least_s <= kLongestWatchdog_s ? fmt::format("watchdog_ms = {:g} to {:g}, or ",
+                                                                         1e3 * least_s, 1e3 * kLongestWatchdog_s)
+                                                           : std::string();
+  return Status::error(fmt::format(
+      "watchdog_ms is {:g}, {:.3g} of the periods of {:.4g} ms: it would end the force for a command that is late; "
+      "accepted: at least {} periods, that is {}--rate {:.0f} at least",
+      1e3 * drives.watchdog_s, drives.watchdog_s / period_s, 1e3 * period_s, kLeastWatchdogPeriods, longer, least_Hz));
+}
 
 DriveMistake find_drive_mistake(const DeviceProfile& profile) {
   const DriveDescription& d = profile.description.drives;

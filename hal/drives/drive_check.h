@@ -1,8 +1,13 @@
 // Does the description of an arm of drives go together: axes, identifiers, ranges, watchdog?
-// Thread: [setup]. The load of the buses depends on the rate: check_bus_load.
+// Thread: [setup]. What depends on the rate: check_watchdog, and check_bus_load.
 #pragma once
 
+#include <chrono>
+#include <string>
+#include <vector>
+
 #include "hal/profiles.h"
+#include "rt/base/result.h"
 
 namespace tactus::hal {
 
@@ -14,5 +19,14 @@ struct DriveMistake {
 };
 
 DriveMistake find_drive_mistake(const DeviceProfile& profile);
+
+// Are these CAN interfaces, none of them twice? One bus under two names of the list would carry twice its load, and two
+// drives with one identifier. Error: without the option or key.
+Status check_bus_names(const std::vector<std::string>& names);
+
+// The drives' watchdogs must outlast some lost or late commands: this many periods.
+inline constexpr int kLeastWatchdogPeriods = 5;
+// Error, one line: the watchdog in periods, and what is accepted.
+Status check_watchdog(const DriveDescription& drives, std::chrono::nanoseconds period);
 
 }  // namespace tactus::hal

@@ -59,6 +59,7 @@ struct DriveCodec {
   bool has_float_position;                   // the frame has no quantum: counts_per_turn is needed
   double default_damping_range_Nms_per_rad;  // 0: there is none
   double damping_steps;                      // of the field from zero to its range
+  bool tells_torque{true};                   // each answer to a torque command has the torque that the drive makes
 };
 
 const DriveCodec& codec_of(DriveFamily family) noexcept;

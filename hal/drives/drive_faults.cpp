@@ -2,15 +2,83 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
+#include <span>
+#include <string_view>
+
 #include "hal/kinematics/tool_kinematics.h"
 
 namespace tactus::hal {
+namespace {
 
-std::string describe_drive_fault(std::uint32_t number) {
+constexpr unsigned kFamilyShift = 8, kCodeShift = 12;
+
+struct CodeWords {
+  std::uint32_t code;
+  std::string_view words;
+};
+constexpr CodeWords kDamiao[] = {{8, "over-voltage"},     {9, "under-voltage"},   {0xa, "over-current"},
+                                 {0xb, "MOSFET too hot"}, {0xc, "rotor too hot"}, {0xd, "its host was silent"},
+                                 {0xe, "overload"}};
+constexpr CodeWords kCubeMars[] = {{1, "too hot"},       {2, "over-current"}, {3, "over-voltage"},
+                                   {4, "under-voltage"}, {5, "encoder"},      {6, "phase unbalance"}};
+constexpr CodeWords kRobStride[] = {{1, "under-voltage"}, {2, "over-current"},     {4, "too hot"},
+                                    {8, "encoder"},       {0x10, "stall or Hall"}, {0x20, "not calibrated"}};
+constexpr CodeWords kOdrive[] = {{0x800, "its watchdog, with firmware 0.5"}, {1u << 24, "its watchdog, with 0.6"}};
+
+struct FamilyCodes {
+  std::string_view what;
+  bool bits;
+  std::span<const CodeWords> words;  // of other codes only the maker's manual has them
+};
+
+FamilyCodes codes_of(DriveFamily family) noexcept {
+  switch (family) {
+    case DriveFamily::kDamiao:
+      return {"status", false, kDamiao};
+    case DriveFamily::kRobStride:
+      return {"fault bits", true, kRobStride};
+    case DriveFamily::kMoteus:
+      return {"fault", false, {}};
+    case DriveFamily::kOdrive:
+      return {"error bits", true, kOdrive};
+    default:
+      return {"error", false, kCubeMars};
+  }
+}
+
+}  // namespace
+
+std::uint32_t drive_fault_of(unsigned axis, DriveFamily family, std::uint32_t code) noexcept {
+  const std::uint32_t kept =
+      codes_of(family).bits ? static_cast<std::uint32_t>(std::countr_zero(code)) + 1 : code & 0xfffffu;
+  return (kDriveReportsFault + axis) | (static_cast<std::uint32_t>(family) + 1) << kFamilyShift | kept << kCodeShift;
+}
+
+std::string describe_drive_code(DriveFamily family, std::uint32_t code) {
+  const FamilyCodes codes = codes_of(family);
+  std::string text = codes.bits ? fmt::format("{} {:#x}", codes.what, code) : fmt::format("{} {}", codes.what, code);
+  for (const CodeWords& known : codes.words)
+    if (codes.bits ? (code & known.code) != 0 : code == known.code) text += fmt::format(", {}", known.words);
+  return text;
+}
+
+std::string describe_drive_fault(std::uint32_t fault) {
+  const std::uint32_t number = number_of_drive_fault(fault);
   const auto in = [number](std::uint32_t first) { return number >= first && number < first + kAxisCount; };
-  if (in(kDriveReportsFault))
-    return fmt::format("the drive of axis {} reports a fault; look it up with the maker's tool, mend it, then re-arm",
-                       number - kDriveReportsFault);
+  if (in(kDriveReportsFault)) {
+    std::string said = "a fault";
+    if (const std::uint32_t family = fault >> kFamilyShift & 0xfu; family >= 1 && family <= kDriveFamilies) {
+      const auto of = static_cast<DriveFamily>(family - 1);
+      const std::uint32_t kept = fault >> kCodeShift;
+      const bool bit = codes_of(of).bits && kept >= 1 && kept <= 32;
+      said = "a fault: " + describe_drive_code(of, bit ? 1u << (kept - 1) : kept);
+    }
+    return fmt::format("the drive of axis {} reports {}; mend what it names, by the maker's manual, then re-arm",
+                       number - kDriveReportsFault, said);
+  }
+  if (fault != number) return {};
   if (in(kDriveLeftForce))
     return fmt::format(
         "the drive of axis {} is not enabled any more: its watchdog, its supply or another program; "
@@ -19,6 +87,11 @@ std::string describe_drive_fault(std::uint32_t number) {
   if (in(kDriveSilent))
     return fmt::format("the drive of axis {} does not answer; look at its cable and supply, then re-arm",
                        number - kDriveSilent);
+  if (in(kDriveLacksTorque))
+    return fmt::format(
+        "the drive of axis {} answers without the torque that it is sent: it has restarted or timed out, it is at a "
+        "limit of its own, or torque_range_Nm is not its; look at supply and limits, then re-arm",
+        number - kDriveLacksTorque);
   return {};
 }
 

@@ -1,16 +1,30 @@
 // Faults that an arm of drives reports, by number; firmware/faults.h has the numbers below 32. Never reused.
+//
+// A fault of kDriveReportsFault carries what the drive said: bits 0 to 7 are the number, bits 8 to 11 the family plus
+// one, bits 12 on the family's code. Of error bits it is the lowest one's position plus one.
 #pragma once
 
 #include <cstdint>
 #include <string>
+
+#include "hal/drives/drive_axis.h"
 
 namespace tactus::hal {
 
 inline constexpr std::uint32_t kDriveReportsFault = 32;  // + axis, 0 to 5: the drive reports a fault
 inline constexpr std::uint32_t kDriveLeftForce = 40;     // + axis: it is not enabled any more
 inline constexpr std::uint32_t kDriveSilent = 48;        // + axis: no answer for ten periods
+inline constexpr std::uint32_t kDriveLacksTorque = 56;   // + axis: it answers, but makes no torque
+
+// kDriveReportsFault + axis, with the code of the drive.
+std::uint32_t drive_fault_of(unsigned axis, DriveFamily family, std::uint32_t code) noexcept;
+// The number alone, without what a drive said.
+constexpr std::uint32_t number_of_drive_fault(std::uint32_t fault) noexcept { return fault & 0xffu; }
+
+// "status 10, over-current", "error bits 0x800, its watchdog": the drive's own code, in words where they are known.
+std::string describe_drive_code(DriveFamily family, std::uint32_t code);
 
 // What happened and what to do; empty for a number that is not one of these.
-std::string describe_drive_fault(std::uint32_t number);
+std::string describe_drive_fault(std::uint32_t fault);
 
 }  // namespace tactus::hal

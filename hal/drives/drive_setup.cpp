@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 
+#include "hal/drives/drive_faults.h"
 #include "hal/drives/mit_codec.h"
 #include "hal/drives/moteus_codec.h"
 #include "hal/drives/odrive_codec.h"
@@ -18,6 +20,7 @@ using std::chrono::nanoseconds;
 constexpr milliseconds kListen{20};      // for drives that talk unasked
 constexpr milliseconds kSilence{15};     // provokes a watchdog of kLongestWatchdog_s
 constexpr milliseconds kHeartbeat{250};  // an ODrive's comes every 100 ms
+constexpr milliseconds kFeed{1};         // between the commands that keep an ODrive's watchdog quiet
 
 enum class Purpose : std::uint8_t { kPrepare, kCompare };
 
@@ -27,6 +30,7 @@ class Talk {
   Talk(const DriveDescription& drives, unsigned number, DriveBus& bus)
       : axis(drives.axes[number]),
         codec(codec_of(drives.family)),
+        family(drives.family),
         watchdog_s(drives.watchdog_s),
         number_(number),
         bus_(bus) {}
@@ -68,12 +72,24 @@ class Talk {
       return true;
     });
   }
+  // As sample(), while the drive gets `fed` once a millisecond.
+  bool sample_fed(milliseconds patience, DriveAction fed, DriveAnswer& answer) {
+    for (milliseconds waited{0}; waited < patience; waited += kFeed) {
+      tell(fed);
+      if (sample(kFeed, answer, true)) return true;
+    }
+    return false;
+  }
+  Status reports(std::uint32_t code, const char* then) const {
+    return error(fmt::format("reports {}; {}", describe_drive_code(family, code), then));
+  }
   void be_silent(milliseconds time) {
     (void)hear(time, [](const DriveFrame&) { return false; });
   }
 
   const DriveAxis& axis;
   const DriveCodec& codec;
+  DriveFamily family;
   double watchdog_s;
 
  private:
@@ -139,8 +155,7 @@ Status go_through_damiao(Talk& talk, Purpose purpose, std::string& identity) {
   DriveAnswer answer;
   if (!talk.sample(kDriveAnswer, answer, true)) return talk.error(kSilent);
   if (answer.mode == DriveMode::kDisabled) return Status::good();
-  return talk.error(
-      fmt::format("reports status {} after its fault was cleared; look it up in its manual", answer.fault));
+  return talk.reports(answer.fault, "it stays after it was cleared: mend what it names");
 }
 
 // --- CubeMars, mini-cheetah: they have nothing to read
@@ -154,7 +169,7 @@ Status go_through_mit(Talk& talk, Purpose purpose, std::string& identity) {
   DriveAnswer answer;
   if (!talk.sample(kDriveAnswer, answer, false)) return talk.error(kSilent);
   if (answer.fault == 0) return Status::good();
-  return talk.error(fmt::format("reports error {}; look it up in its manual", answer.fault));
+  return talk.reports(answer.fault, "mend what it names");
 }
 
 // --- RobStride
@@ -220,19 +235,36 @@ Status provoke_moteus_watchdog(Talk& talk) {
   talk.be_silent(milliseconds(2));
   if (!answered) return talk.error(kSilent);
   if (answer.mode == DriveMode::kTimedOut) return Status::good();
-  if (answer.mode == DriveMode::kFaulted)
-    return talk.error(fmt::format("reports fault {}; look it up in its manual", answer.fault));
+  if (answer.mode == DriveMode::kFaulted) return talk.reports(answer.fault, "look it up in its manual");
   return talk.error(
       "its watchdog did not act after 15 ms of silence; set servo.default_timeout_s and "
       "servo.timeout_mode = 15 with the maker's tool");
 }
 
+// Factory mode 12 ends as 11 too, but damps by the last command's gain, which is none where there was only torque.
+Status check_timeout_mode(Talk& talk) {
+  talk.tell(moteus_ask_configuration(talk.axis.id, kMoteusTimeoutMode));
+  std::string told;
+  for (int polls = 0; polls < 5 && told.find('\n') == std::string::npos; ++polls)
+    (void)talk.ask(moteus_poll_text(talk.axis.id),
+                   [&](const DriveFrame& frame) { return take_moteus_text(talk.axis, frame, told); });
+  int number = 0;
+  const auto [end, error] = std::from_chars(told.data(), told.data() + told.size(), number);
+  if (error != std::errc()) return Status::good();  // it tells nothing: then the provoked time-out is what is known
+  if (number == kMoteusBrake) return Status::good();
+  return talk.error(fmt::format("{} is {}; set it to {}, brake, with the maker's tool: conf set {} {}, conf write",
+                                kMoteusTimeoutMode, number, kMoteusBrake, kMoteusTimeoutMode, kMoteusBrake));
+}
+
 Status go_through_moteus(Talk& talk, const DriveDescription& drives, Purpose purpose, std::string& identity) {
-  std::int32_t model = 0, firmware = 0, map = 0, serial = 0, home = 0;
+  std::int32_t model = 0, firmware = 0, map = 0, home = 0, serial[3]{};
   Status status = read(talk, MoteusRegister::kModel, model);
   if (status.ok()) status = read(talk, MoteusRegister::kFirmware, firmware);
   if (status.ok()) status = read(talk, MoteusRegister::kRegisterMap, map);
-  if (status.ok()) status = read(talk, MoteusRegister::kSerial1, serial);
+  for (unsigned i = 0; i < 3 && status.ok(); ++i) {
+    const auto number = static_cast<std::uint16_t>(static_cast<unsigned>(MoteusRegister::kSerial1) + i);
+    status = read(talk, static_cast<MoteusRegister>(number), serial[i]);
+  }
   if (status.ok()) status = read(talk, MoteusRegister::kHomeState, home);
   if (!status.ok()) return status;
   if (map != 5) return talk.error(fmt::format("has register map {}, this program knows 5; update its firmware", map));
@@ -240,36 +272,56 @@ Status go_through_moteus(Talk& talk, const DriveDescription& drives, Purpose pur
     return talk.error(
         "does not know its output position; give it an output encoder, or say held_at_centre = true and "
         "hold the tool at its centre when the arm is opened");
-  identity = fmt::format("moteus {} model {:#x} firmware {:#x} serial {:08x}", talk.axis.id, model, firmware,
-                         static_cast<std::uint32_t>(serial));
-  return purpose == Purpose::kPrepare ? provoke_moteus_watchdog(talk) : Status::good();
+  const auto hex = [](std::int32_t value) { return fmt::format("{:08x}", static_cast<std::uint32_t>(value)); };
+  identity = fmt::format("moteus {} model {:#x} firmware {:#x} serial {}-{}-{}", talk.axis.id, model, firmware,
+                         hex(serial[0]), hex(serial[1]), hex(serial[2]));
+  if (purpose == Purpose::kCompare) return Status::good();
+  status = check_timeout_mode(talk);
+  return status.ok() ? provoke_moteus_watchdog(talk) : status;
 }
 
 // --- ODrive
+
+const char* const kNoHeartbeat = "sends no heartbeat; is it powered, are bit rate and node those of the description?";
+
+// In closed loop and fed without torque, then not fed for kSilence, then fed again: only a watchdog that is as short
+// has acted. CANSimple cannot tell what it is set to.
+Status provoke_odrive_watchdog(Talk& talk) {
+  DriveAnswer answer;
+  talk.tell(odrive_torque_mode(talk.axis.id));
+  talk.tell(DriveAction::kEnable);
+  // The first heartbeat may have been on its way before the command.
+  for (int heartbeats = 0; heartbeats < 3 && answer.mode != DriveMode::kEnabled && answer.fault == 0; ++heartbeats)
+    if (!talk.sample_fed(kHeartbeat, DriveAction::kBrake, answer)) return talk.error(kNoHeartbeat);
+  if (answer.fault != 0)
+    return talk.reports(answer.fault,
+                        "it came while it was sent a command every millisecond; look it up in its manual");
+  if (answer.mode != DriveMode::kEnabled)
+    return talk.error("does not go into closed loop; calibrate it, and let it, with the maker's tool");
+  talk.be_silent(kSilence);
+  if (!talk.sample_fed(kHeartbeat, DriveAction::kBrake, answer)) return talk.error(kNoHeartbeat);
+  if (answer.mode == DriveMode::kEnabled)
+    return talk.error(
+        "its watchdog is off, or longer than 15 ms; with the maker's tool: axis.config.watchdog_timeout = 0.01, "
+        "axis.config.enable_watchdog = True, and save");
+  if ((answer.fault & kOdriveWatchdogErrors) != 0) return Status::good();
+  return answer.fault == 0 ? talk.error("left closed loop without its watchdog's error; look it up in its manual")
+                           : talk.reports(answer.fault, "its watchdog was to act; look it up in its manual");
+}
 
 Status go_through_odrive(Talk& talk, Purpose purpose, std::string& identity) {
   identity = fmt::format("ODrive node {}", talk.axis.id);
   if (purpose == Purpose::kCompare) return Status::good();
   DriveAnswer answer;
   talk.tell(DriveAction::kClear);
-  if (!talk.sample(kHeartbeat, answer, true))
-    return talk.error(
-        "sends no heartbeat; is it powered, are bit rate and "
-        "node those of the description?");
-  if (answer.fault != 0)
-    return talk.error(fmt::format("reports error {:#x}; clear it with the maker's tool", answer.fault));
-  talk.tell(odrive_torque_mode(talk.axis.id));
-  talk.tell(DriveAction::kEnable);
-  talk.tell(DriveAction::kTorque);  // zero
-  talk.be_silent(kHeartbeat);       // at least one heartbeat after the watchdog must have acted
-  const bool heard = talk.sample(kHeartbeat, answer, true);
+  // The second: the first may be of before.
+  for (int heartbeats = 0; heartbeats < 2; ++heartbeats)
+    if (!talk.sample(kHeartbeat, answer, true)) return talk.error(kNoHeartbeat);
+  if (answer.fault != 0) return talk.reports(answer.fault, "clear it with the maker's tool");
+  const Status provoked = provoke_odrive_watchdog(talk);
   talk.tell(DriveAction::kDisable);
   talk.tell(DriveAction::kClear);
-  if (!heard) return talk.error("sends no heartbeat");
-  if (answer.mode != DriveMode::kEnabled) return Status::good();
-  return talk.error(
-      "its watchdog is off; with the maker's tool: axis.config.watchdog_timeout = 0.01, "
-      "axis.config.enable_watchdog = True, and save");
+  return provoked;
 }
 
 Status go_through(const DriveDescription& drives, unsigned axis, DriveBus& bus, Purpose purpose,
@@ -301,26 +353,36 @@ Status listen(const DriveDescription& drives, const DriveBuses& buses) {
   return Status::good();
 }
 
-Result<std::string> go_through_all(const DriveDescription& drives, const DriveBuses& buses, Purpose purpose) {
-  std::string text;
+Result<std::vector<std::string>> go_through_all(const DriveDescription& drives, const DriveBuses& buses,
+                                                Purpose purpose) {
+  std::vector<std::string> identities;
   for (unsigned i = 0; i < drives.axes.size(); ++i) {
     std::string identity;
     if (Status status = go_through(drives, i, *buses[drives.axes[i].bus], purpose, identity); !status.ok())
       return status;
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", identity);
+    identities.push_back(std::move(identity));
   }
-  return text;
+  return identities;
 }
 
 }  // namespace
 
-Result<std::string> prepare_drives(const DriveDescription& drives, const DriveBuses& buses) {
+Result<std::vector<std::string>> prepare_drives(const DriveDescription& drives, const DriveBuses& buses) {
   if (Status status = listen(drives, buses); !status.ok()) return status;
   return go_through_all(drives, buses, Purpose::kPrepare);
 }
 
-Status compare_drives(const DriveDescription& drives, const DriveBuses& buses) {
-  return go_through_all(drives, buses, Purpose::kCompare).status();
+Status compare_drives(const DriveDescription& drives, const DriveBuses& buses,
+                      const std::vector<std::string>& identities) {
+  const auto now = go_through_all(drives, buses, Purpose::kCompare);
+  if (!now.ok()) return now.status();
+  for (std::size_t i = 0; i < identities.size() && i < now.value().size(); ++i)
+    if (now.value()[i] != identities[i])
+      return Status::error(fmt::format(
+          "axis {} (drive {}): it is {}, this run began with {}; connect that one again, or end the run and start it "
+          "with this one",
+          i, drives.axes[i].id, now.value()[i], identities[i]));
+  return Status::good();
 }
 
 }  // namespace tactus::hal

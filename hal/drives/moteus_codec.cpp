@@ -11,9 +11,12 @@ constexpr std::uint8_t kNothing = 0x50, kWriteI8 = 0x00, kWriteI16 = 0x04, kWrit
                        kReadI32 = 0x18, kReadF32 = 0x1c, kReply = 0x20;
 constexpr std::uint8_t kTorque = 0x22, kKpScale = 0x23, kTimeout = 0x27, kPosition = 0x20, kFault = 0x0f;
 constexpr double kMoteusScaleSteps = 32767;
+// Text through the bus: sub-frame, channel, length, letters.
+constexpr std::uint8_t kTextToDrive = 0x40, kTextFromDrive = 0x41, kPollText = 0x42, kConsole = 1, kMostText = 48;
+constexpr std::uint32_t kAnswerWanted = 0x8000;
 
-// 0x8000: an answer is wanted. Source 0 is the host.
-DriveFrame to(unsigned id) noexcept { return {.id = 0x8000u | (id & 0x7fu), .extended = true, .fd = true}; }
+// Source 0 is the host.
+DriveFrame to(unsigned id) noexcept { return {.id = kAnswerWanted | (id & 0x7fu), .extended = true, .fd = true}; }
 
 void pad(DriveFrame& frame) noexcept {
   constexpr std::uint8_t kLengths[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
@@ -180,6 +183,33 @@ bool parse_moteus_register(const DriveAxis& axis, MoteusRegister number, const D
     found = true;
   });
   return found;
+}
+
+DriveFrame moteus_ask_configuration(unsigned id, std::string_view key) noexcept {
+  constexpr std::string_view kGet = "conf get ";
+  constexpr std::size_t kLongestKey = 32;
+  key = key.substr(0, kLongestKey);
+  DriveFrame frame = to(id);
+  frame.id &= ~kAnswerWanted;
+  frame.put({kTextToDrive, kConsole, static_cast<std::uint8_t>(kGet.size() + key.size() + 1)});
+  for (const std::string_view part : {kGet, key, std::string_view("\n")})
+    for (const char letter : part) frame.put({static_cast<std::uint8_t>(letter)});
+  pad(frame);
+  return frame;
+}
+
+DriveFrame moteus_poll_text(unsigned id) noexcept {
+  DriveFrame frame = to(id);
+  frame.put({kPollText, kConsole, kMostText});
+  return frame;
+}
+
+bool take_moteus_text(const DriveAxis& axis, const DriveFrame& frame, std::string& text) {
+  if (!is_from(axis, frame) || frame.size < 3 || frame.data[0] != kTextFromDrive || frame.data[1] != kConsole)
+    return false;
+  const unsigned size = std::min<unsigned>(frame.data[2], frame.size - 3u);
+  for (unsigned i = 0; i < size; ++i) text += static_cast<char>(frame.data[3 + i]);
+  return true;
 }
 
 }  // namespace tactus::hal

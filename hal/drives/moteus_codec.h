@@ -7,6 +7,9 @@
 // on a drive. Thread: [any], [rt].
 #pragma once
 
+#include <string>
+#include <string_view>
+
 #include "hal/drives/drive_codec.h"
 
 namespace tactus::hal {
@@ -24,7 +27,7 @@ enum class MoteusRegister : std::uint16_t {
   kModel = 0x100,
   kFirmware = 0x101,
   kRegisterMap = 0x102,
-  kSerial1 = 0x120,
+  kSerial1 = 0x120,  // and the two after it
 };
 
 // Reads `count` (1 to 3) registers as i32.
@@ -32,5 +35,13 @@ DriveFrame moteus_read(unsigned id, MoteusRegister first, unsigned count) noexce
 // True if `frame` is from this drive and holds an i32 of the register.
 bool parse_moteus_register(const DriveAxis& axis, MoteusRegister number, const DriveFrame& frame,
                            std::int32_t& value) noexcept;
+
+// The drive's text console, through the bus: a question without an answer frame, then polls for its text. Set-up alone:
+// decode() takes a frame with text for a malformed one.
+inline constexpr const char* kMoteusTimeoutMode = "servo.timeout_mode";
+DriveFrame moteus_ask_configuration(unsigned id, std::string_view key) noexcept;  // key: at most 32 letters
+DriveFrame moteus_poll_text(unsigned id) noexcept;
+// True if `frame` is from this drive and answers a poll; its text is added.
+bool take_moteus_text(const DriveAxis& axis, const DriveFrame& frame, std::string& text);
 
 }  // namespace tactus::hal

@@ -67,7 +67,7 @@ DriveDecode decode(const DriveAxis& axis, const DriveFrame& frame, DriveAnswer& 
 
 }  // namespace
 
-const DriveCodec kOdriveCodec{"odrive", encode, decode, 4, 8, false, false, false, false, false, true, 0, 0};
+const DriveCodec kOdriveCodec{"odrive", encode, decode, 4, 8, false, false, false, false, false, true, 0, 0, false};
 
 DriveFrame odrive_torque_mode(unsigned node) noexcept {
   DriveFrame frame = to(node, OdriveCommand::kControllerMode);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace tactus::hal {
 namespace {
@@ -192,7 +193,7 @@ bool SimulatedDrive::hear_robstride(const DriveFrame& frame, const DriveShaft& s
   if (type == 0) {
     reply = {.id = axis_.id << 8 | 0xfeu, .extended = true};
     reply.put_u32(0x1000u + axis_.id);
-    reply.put_u32(0xabcd0000u);
+    reply.put_u32(serial_);
   } else if (type == 17) {
     const bool known = index == 0x7005 || index == 0x700b || index == 0x7019 || index == 0x7028;
     reply = {.id = 17u << 24 | (known ? 0u : 1u) << 16 | axis_.id << 8 | 0xfdu, .extended = true};
@@ -213,16 +214,39 @@ bool SimulatedDrive::hear_robstride(const DriveFrame& frame, const DriveShaft& s
 
 // --- moteus: the sub-frames that the host sends, not the whole grammar
 
+// The console: of all that it knows, the configuration of the time-out.
+bool SimulatedDrive::hear_moteus_text(const DriveFrame& frame, DriveFrame& reply) noexcept {
+  constexpr std::string_view kQuestion = "conf get servo.timeout_mode\n";
+  if (frame.data[0] == 0x40) {
+    text_waits_ = frame.data[1] == 1 && frame.data[2] == kQuestion.size() &&
+                  std::equal(kQuestion.begin(), kQuestion.end(), frame.data.begin() + 3,
+                             [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+    return false;
+  }
+  if (frame.data[0] != 0x42) return false;
+  const auto digit = [](unsigned value) { return static_cast<std::uint8_t>('0' + value % 10); };
+  reply.put({0x41, 1, static_cast<std::uint8_t>(text_waits_ ? 4 : 0)});
+  if (text_waits_) reply.put({digit(timeout_mode_ / 10), digit(timeout_mode_), '\r', '\n'});
+  text_waits_ = false;
+  return true;
+}
+
 bool SimulatedDrive::hear_moteus(const DriveFrame& frame, const DriveShaft& shaft, DriveFrame& reply) noexcept {
-  if (!frame.extended || frame.id != (0x8000u | axis_.id)) return false;
+  if (!frame.extended || (frame.id & 0x7fffu) != axis_.id) return false;
   const std::uint32_t id = axis_.id << 8;
   reply = {.id = id, .extended = id >= 0x800u, .fd = true};
+  if (frame.data[0] >= 0x40 && frame.data[0] <= 0x42) return hear_moteus_text(frame, reply);
+  if (frame.id != (0x8000u | axis_.id)) return false;
   if (frame.size >= 3 && frame.data[0] == 0x19) {  // one register as i32
     const std::uint32_t number =
         frame.data[1] < 0x80 ? frame.data[1] : (frame.data[1] & 0x7fu) | std::uint32_t{frame.data[2]} << 7;
     reply.put({0x29, frame.data[1]});
     if (frame.data[1] >= 0x80) reply.put({frame.data[2]});
-    reply.put_u32(number == 0x102 ? 5u : number == 0x101 ? 0x10au : number == 0x120 ? 0x5e0000u + axis_.id : 1u);
+    reply.put_u32(number == 0x102   ? 5u
+                  : number == 0x101 ? 0x10au
+                  : number == 0x120 ? 0x5e0000u + axis_.id
+                  : number == 0x121 ? serial_
+                                    : 1u);
     return true;
   }
   if (frame.size == 2 && frame.data[0] == 0x19) {

@@ -39,6 +39,9 @@ class SimulatedDrive {
   void disable() noexcept;                         // by itself, without a fault
   void restart() noexcept;                         // as after a power failure: what was written in RAM is lost
   void keep_no_watchdog() noexcept { watchdog_works_ = false; }
+  void set_watchdog(double time_s) noexcept { timeout_s_ = time_s; }       // ODrive, as by its maker's tool
+  void set_timeout_mode(unsigned mode) noexcept { timeout_mode_ = mode; }  // moteus
+  void set_serial(std::uint32_t serial) noexcept { serial_ = serial; }     // RobStride, moteus: another drive
   void wrap_position(double by_rad) noexcept { wrapped_by_ = by_rad; }
   void saturate_speed(bool on) noexcept { speed_saturates_ = on; }
 
@@ -46,6 +49,7 @@ class SimulatedDrive {
   bool hear_mit(const DriveFrame& frame, const DriveShaft& shaft, DriveFrame& reply) noexcept;
   bool hear_damiao_register(const DriveFrame& frame, DriveFrame& reply) noexcept;
   bool hear_robstride(const DriveFrame& frame, const DriveShaft& shaft, DriveFrame& reply) noexcept;
+  bool hear_moteus_text(const DriveFrame& frame, DriveFrame& reply) noexcept;
   bool hear_moteus(const DriveFrame& frame, const DriveShaft& shaft, DriveFrame& reply) noexcept;
   void hear_odrive(const DriveFrame& frame) noexcept;
   DriveFrame mit_answer(const DriveShaft& shaft) const noexcept;
@@ -60,6 +64,9 @@ class SimulatedDrive {
   double torque_{0}, damping_{0}, wrapped_by_{0};
   double timeout_s_{0}, silent_s_{0};  // timeout 0: off
   std::uint32_t control_mode_{2};      // as a Damiao may come from its maker: not MIT
+  unsigned timeout_mode_{15};
+  std::uint32_t serial_{0xabcd0000u};
+  bool text_waits_{false};  // of a moteus' console
   double estimate_due_s_{0}, heartbeat_due_s_{0};
 };
 

@@ -1,5 +1,7 @@
 #include "hal/drives/simulated_drives.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "hal/drives/drive_setup.h"
@@ -41,6 +43,12 @@ DriveBuses SimulatedDrives::make_buses() {
   return buses;
 }
 
+void SimulatedDrives::restart_clock() noexcept {
+  tick_ = 0;
+  hand_held_ = false;
+  for (Queue& queue : queues_) queue.size = 0;  // of ticks that are to come again
+}
+
 void SimulatedDrives::advance() noexcept {
   begin_faults();
   const double h_s = static_cast<double>(period_ns_) * 1e-9 / kSubSteps;
@@ -64,7 +72,7 @@ void SimulatedDrives::sub_step(double into_s) noexcept {
     drives_[i].advance(h_s);
   }
   const double time_s = static_cast<double>(tick_) * static_cast<double>(period_ns_) * 1e-9 + into_s;
-  plant_.step(h_s, effort, false, hand_.target_at(time_s));
+  plant_.step(h_s, effort, false, hand_.target_at(hand_held_ ? 0.0 : time_s));
 }
 
 DriveShaft SimulatedDrives::shaft_of(unsigned axis, const AxisVector& rate) const noexcept {
@@ -163,10 +171,11 @@ bool SimulatedDrives::fetch(unsigned bus, ReceivedDriveFrame& received) noexcept
 Result<std::unique_ptr<SimulatedDriveArm>> SimulatedDriveArm::open(const DeviceProfile& profile, const HandModel& hand,
                                                                    std::int64_t period_ns) {
   std::unique_ptr<SimulatedDriveArm> made(new SimulatedDriveArm(profile, hand, period_ns));
+  made->world_.hold_hand();  // the drives are prepared for as long as a second
   DriveBuses buses = made->world_.make_buses();
   auto prepared = prepare_drives(profile.description.drives, buses);
   if (!prepared.ok()) return prepared.status();
-  made->identity_ = std::move(prepared).value();
+  made->identity_ = fmt::format("{}", fmt::join(prepared.value(), ", "));
   made->arm_ = std::make_unique<DriveArm>(profile, period_ns, std::move(buses));
   made->world_.restart_clock();
   if (Status status = made->arm_->start(); !status.ok()) return status;

@@ -54,8 +54,10 @@ class SimulatedDrives {
 
   // One period passes.
   void advance() noexcept;
-  // [setup] The hand's path and the ticks of faults begin now.
-  void restart_clock() noexcept { tick_ = 0; }
+  // [setup] The hand's path and the ticks of faults begin now; what waits on the buses is gone.
+  void restart_clock() noexcept;
+  // [setup] While it is held, the hand stays where its path begins; restart_clock() lets it go.
+  void hold_hand() noexcept { hand_held_ = true; }
   // [setup] Precondition: fewer than kMaxFaults that are not over.
   void inject(const DriveFault& fault) noexcept;
 
@@ -97,6 +99,7 @@ class SimulatedDrives {
   std::array<DriveFault, kMaxFaults> faults_{};
   unsigned fault_count_{0};
   std::uint64_t tick_{0};
+  bool hand_held_{false};
 };
 
 // The arm on them, as one device: one read() is one period.

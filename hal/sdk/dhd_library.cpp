@@ -3,6 +3,11 @@
 #include <fmt/format.h>
 
 namespace tactus::hal {
+namespace {
+
+constexpr int kMajor = 3, kLeastMinor = 16;
+
+}  // namespace
 
 Result<std::unique_ptr<DhdLibrary>> DhdLibrary::load(const std::filesystem::path& folder) {
   static const LibrarySearch kSearch{.whose = "Force Dimension's library",
@@ -41,9 +46,21 @@ Status DhdLibrary::resolve() {
 #undef TACTUS_DHD
   library_.find(functions_.dhdSetWatchdog, "dhdSetWatchdog", true);
   library_.find(functions_.drdIsInitialized, "drdIsInitialized", true);
-  if (library_.missing() == nullptr) return Status::good();
+  library_.find(functions_.dhdOpenSerial, "dhdOpenSerial", true);
+  if (library_.missing() == nullptr) return check_version();
   return Status::error(
       fmt::format("Force Dimension's library has no function {}; accepted: its SDK 3.16 or newer", library_.missing()));
+}
+
+Status DhdLibrary::check_version() {
+  int version[4]{};
+  functions_.dhdGetSDKVersion(&version[0], &version[1], &version[2], &version[3]);
+  version_ = fmt::format("{}.{}.{}", version[0], version[1], version[2]);
+  if (version[0] == kMajor && version[1] >= kLeastMinor) return Status::good();
+  return Status::error(fmt::format(
+      "Force Dimension's library {} is SDK {}, whose functions are not known here to be the same; accepted: {}.{} and "
+      "newer of {}",
+      path(), version_, kMajor, kLeastMinor, kMajor));
 }
 
 }  // namespace tactus::hal

@@ -15,6 +15,7 @@ namespace tactus::hal {
 
 struct DhdFunctions {
   int (*dhdOpenID)(char index);
+  int (*dhdOpenSerial)(int serial);  // null: a library without it
   int (*dhdClose)(char id);
   int (*dhdGetDeviceCount)();
   const char* (*dhdErrorGetLastStr)();
@@ -41,18 +42,22 @@ struct DhdFunctions {
 class DhdLibrary {
  public:
   // `folder`: where the libraries are, or one of them; empty: $FDSDK, $FORCEDIM_SDK, then where the system looks.
-  // Error, one line: where it looked, or which function the library lacks.
+  // Error, one line: where it looked, which function the library lacks, or its version.
   static Result<std::unique_ptr<DhdLibrary>> load(const std::filesystem::path& folder);
 
   const DhdFunctions& functions() const noexcept { return functions_; }
+  // "3.17.5".
+  const std::string& version() const noexcept { return version_; }
   const std::string& path() const noexcept { return library_.path(); }
 
  private:
   explicit DhdLibrary(SharedLibrary library) : library_(std::move(library)) {}
   Status resolve();
+  Status check_version();
 
   SharedLibrary library_;
   DhdFunctions functions_{};
+  std::string version_;
 };
 
 }  // namespace tactus::hal

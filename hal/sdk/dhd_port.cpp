@@ -37,6 +37,8 @@ const Model* model_of(int type) noexcept {
 Vec3d from_library(const Vec3d& v) noexcept { return {v.y, -v.x, v.z}; }
 Vec3d to_library(const Vec3d& v) noexcept { return {-v.y, v.x, v.z}; }
 
+std::string text_of(const char* text, const char* none) { return text != nullptr ? text : none; }
+
 // Not finite where the matrix is not.
 Quatd quaternion_of(const double m[3][3]) noexcept {
   return quat_from_axes({m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]});
@@ -44,34 +46,53 @@ Quatd quaternion_of(const double m[3][3]) noexcept {
 
 }  // namespace
 
-Result<std::unique_ptr<DhdPort>> DhdPort::open(std::unique_ptr<DhdLibrary> library) {
+Result<std::unique_ptr<DhdPort>> DhdPort::open(std::unique_ptr<DhdLibrary> library, std::optional<unsigned> serial) {
   std::unique_ptr<DhdPort> port(new DhdPort(std::move(library)));
-  if (Status status = port->prepare(); !status.ok()) return status;
+  if (Status status = port->prepare(serial); !status.ok()) return status;
   return port;
 }
 
-Status DhdPort::prepare() {
+std::string DhdPort::last_error() const { return text_of(f_.dhdErrorGetLastStr(), "its library says no reason"); }
+
+Status DhdPort::open_device(std::optional<unsigned> serial) {
   if (f_.dhdGetDeviceCount() < 1) return Status::error("dhd: no Force Dimension device is connected and switched on");
-  id_ = f_.dhdOpenID(0);
-  if (id_ < 0) return Status::error(fmt::format("dhd: the device cannot be opened: {}", f_.dhdErrorGetLastStr()));
+  if (serial && f_.dhdOpenSerial == nullptr)
+    return Status::error(
+        "dhd: the library cannot open a device by its serial number; accepted: dhd:FOLDER, or a newer "
+        "SDK");
+  id_ = serial ? f_.dhdOpenSerial(static_cast<int>(*serial)) : f_.dhdOpenID(0);
+  if (id_ >= 0) return Status::good();
+  const std::string which = serial ? fmt::format("the device with serial {}", *serial) : std::string("the device");
+  return Status::error(fmt::format("dhd: {} cannot be opened: {}", which, last_error()));
+}
+
+std::string DhdPort::set_expert() {
+  const char id = static_cast<char>(id_);
+  const bool expert = f_.dhdEnableExpertMode() == kGood;
+  std::string missing;
+  const auto look = [&missing](bool good, const char* words) { missing += good ? "" : words; };
+  look(f_.dhdSetTimeGuard(0, id) == kGood, "; its time guard could not be switched off: samples may be old");
+  look(f_.dhdSetWatchdog != nullptr && f_.dhdSetWatchdog(kWatchdogSteps, id) == kGood,
+       "; its watchdog could not be set to 10 ms: a program that is killed may leave the last force");
+  if (!expert && !missing.empty()) missing += "; the library has no expert mode for it";
+  return missing;
+}
+
+Status DhdPort::prepare(std::optional<unsigned> asked) {
+  if (Status status = open_device(asked); !status.ok()) return status;
   const char id = static_cast<char>(id_);
   const Model* model = model_of(f_.dhdGetSystemType(id));
+  const std::string name = text_of(f_.dhdGetSystemName(id), "device without a name");
   if (model == nullptr)
     return Status::error(
         fmt::format("dhd: {} is of type {}, whose limits are not known here; accepted: delta, omega, "
                     "sigma, lambda",
-                    f_.dhdGetSystemName(id), f_.dhdGetSystemType(id)));
+                    name, f_.dhdGetSystemType(id)));
   if (f_.drdIsInitialized != nullptr && !f_.drdIsInitialized(id))
     return Status::error("dhd: the device is not initialised; run the maker's HapticInit, then start again");
-  (void)f_.dhdEnableExpertMode();
-  (void)f_.dhdSetTimeGuard(0, id);
-  if (f_.dhdSetWatchdog != nullptr) (void)f_.dhdSetWatchdog(kWatchdogSteps, id);
-  int version[4]{};
-  f_.dhdGetSDKVersion(&version[0], &version[1], &version[2], &version[3]);
   unsigned short serial = 0;
   (void)f_.dhdGetSerialNumber(&serial, id);
-  identity_ = fmt::format("Force Dimension {}, serial {}, SDK {}.{}.{}", f_.dhdGetSystemName(id), serial, version[0],
-                          version[1], version[2]);
+  identity_ = fmt::format("Force Dimension {}, serial {}, SDK {}{}", name, serial, library_->version(), set_expert());
   // Rotation only where the wrist is actuated: a passive one could be felt in no other way.
   properties_.has_rotation = f_.dhdHasWrist(id) && f_.dhdHasActiveWrist(id);
   properties_.workspace_radius_m = model->radius_m;
@@ -84,7 +105,7 @@ Status DhdPort::prepare() {
   properties_.mass_kg = 0.25;
   properties_.damping_Ns_per_m = 1;
   properties_.coulomb_friction_N = 0.3;
-  return enable_forces(false) ? Status::good() : Status::error(fmt::format("dhd: {}", f_.dhdErrorGetLastStr()));
+  return enable_forces(false) ? Status::good() : Status::error(fmt::format("dhd: {}", last_error()));
 }
 
 DhdPort::~DhdPort() {

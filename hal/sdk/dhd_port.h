@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "hal/sdk/dhd_library.h"
@@ -15,13 +16,15 @@ namespace tactus::hal {
 
 class DhdPort final : public SdkPort {
  public:
-  // The first device. Error, one line: none there, in use, not initialised, of an unknown type.
-  static Result<std::unique_ptr<DhdPort>> open(std::unique_ptr<DhdLibrary> library);
+  // The device with this serial number; without one, the first. Error, one line: none there, in use, not initialised,
+  // of an unknown type.
+  static Result<std::unique_ptr<DhdPort>> open(std::unique_ptr<DhdLibrary> library,
+                                               std::optional<unsigned> serial = std::nullopt);
   ~DhdPort() override;
   DhdPort(const DhdPort&) = delete;
   DhdPort& operator=(const DhdPort&) = delete;
 
-  // "Force Dimension omega.6, serial 1234, SDK 3.17.5".
+  // "Force Dimension omega.6, serial 1234, SDK 3.17.5", and after it what could not be set: its watchdog, for one.
   const std::string& identity() const noexcept { return identity_; }
   const haptics::DeviceProperties& properties() const noexcept override { return properties_; }
   SdkResult exchange(const Wrenchd& wrench, SdkState& state) noexcept override;
@@ -29,7 +32,11 @@ class DhdPort final : public SdkPort {
 
  private:
   explicit DhdPort(std::unique_ptr<DhdLibrary> library) : library_(std::move(library)), f_(library_->functions()) {}
-  Status prepare();
+  Status prepare(std::optional<unsigned> serial);
+  Status open_device(std::optional<unsigned> serial);
+  // Watchdog and time guard. What could not be set, as words for the identity.
+  std::string set_expert();
+  std::string last_error() const;
 
   std::unique_ptr<DhdLibrary> library_;
   const DhdFunctions& f_;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <thread>
 
 #include "hal/device_words.h"
 #include "rt/base/clock.h"
@@ -30,37 +32,62 @@ bool wait_for(std::int64_t longest_ns, Done&& done) {
 
 }  // namespace
 
-SdkDevice::SdkDevice(std::unique_ptr<SdkPort> port, std::int64_t period_ns)
+SdkWorker::SdkWorker(std::unique_ptr<SdkPort> port, std::int64_t period_ns)
     : port_(std::move(port)), period_ns_(period_ns), properties_(port_->properties()) {}
 
-Result<std::unique_ptr<SdkDevice>> SdkDevice::start(std::unique_ptr<SdkPort> port, std::int64_t period_ns) {
-  std::unique_ptr<SdkDevice> device(new SdkDevice(std::move(port), period_ns));
+Result<std::unique_ptr<SdkWorker>> SdkWorker::start(std::unique_ptr<SdkPort> port, std::int64_t period_ns) {
+  std::unique_ptr<SdkWorker> device(new SdkWorker(std::move(port), period_ns));
   device->publish();
   if (device->port_->has_scheduler()) {
-    const auto call = [](void* context) noexcept { static_cast<SdkDevice*>(context)->called(); };
+    const auto call = [](void* context) noexcept { static_cast<SdkWorker*>(context)->called(); };
     if (Status status = device->port_->start_calls({call, device.get()}, period_ns); !status.ok()) return status;
   }
   if (Status status = device->run_trials(); !status.ok()) return status;
   if (Status status = device->judge_trials(); !status.ok()) return status;
   if (device->port_->has_scheduler()) return device;
-  const auto body = [](void* context) noexcept { static_cast<SdkDevice*>(context)->work(); };
+  const auto body = [](void* context) noexcept { static_cast<SdkWorker*>(context)->work(); };
   if (Status status = device->thread_.start(kStack_KiB, {.cpu = -1, .priority = kPriority}, body, device.get());
       !status.ok())
     return status;
   return device;
 }
 
-SdkDevice::~SdkDevice() {
+bool SdkWorker::end(std::int64_t longest_ns) noexcept {
   stop_.store(true, std::memory_order_relaxed);
+  const auto finished = [this] { return finished_.load(std::memory_order_acquire); };
   if (port_->has_scheduler()) {
-    (void)wait_for(kLastCall_ns, [this] { return finished_.load(std::memory_order_acquire); });
+    if (!wait_for(kLastCall_ns, finished)) {
+      // It calls no more, or is in a call that does not return: then ending it may not return either.
+      std::thread([this] {
+        port_->stop_calls();
+        finish();
+      }).detach();
+      return wait_for(longest_ns, finished);
+    }
     port_->stop_calls();
+  } else if (thread_.started() && !wait_for(longest_ns, finished)) {
+    return false;
   }
   thread_.join();
-  if (!finished_.load(std::memory_order_acquire)) finish();
+  if (!finished()) finish();
+  return true;
 }
 
-Status SdkDevice::run_trials() {
+SdkWorker::~SdkWorker() {
+  if (!finished_.load(std::memory_order_acquire)) (void)end(std::numeric_limits<std::int64_t>::max() / 2);
+}
+
+Result<std::unique_ptr<SdkDevice>> SdkDevice::start(std::unique_ptr<SdkPort> port, std::int64_t period_ns) {
+  auto worker = SdkWorker::start(std::move(port), period_ns);
+  if (!worker.ok()) return worker.status();
+  return std::unique_ptr<SdkDevice>(new SdkDevice(std::move(worker).value()));
+}
+
+SdkDevice::~SdkDevice() {
+  if (!worker_->end(kLastCall_ns)) (void)worker_.release();  // its thread is in it
+}
+
+Status SdkWorker::run_trials() {
   if (port_->has_scheduler()) {
     const auto done = [this] { return trials_.load(std::memory_order_acquire) == kTrials; };
     if (wait_for(kTrials * period_ns_ + kPatience_ns, done)) return Status::good();
@@ -76,7 +103,7 @@ Status SdkDevice::run_trials() {
   return Status::good();
 }
 
-Status SdkDevice::judge_trials() {
+Status SdkWorker::judge_trials() {
   if (trial_state_.fault != 0) return Status::error(describe_device_fault(trial_state_.fault));
   if (trial_result_ == SdkResult::kGone) return Status::error("the device does not answer its library");
   if (2 * good_trials_ < kTrials)
@@ -92,7 +119,7 @@ Status SdkDevice::judge_trials() {
 
 // --- the haptic thread
 
-void SdkDevice::publish() noexcept {
+void SdkWorker::publish() noexcept {
   const haptics::DeviceCommand& command = states_.command();
   requests_.writing() = {command.wrench, states_.state() == DeviceState::kForce, command.sequence};
   const double force = norm(command.wrench.force), torque = norm(command.wrench.torque);
@@ -102,7 +129,7 @@ void SdkDevice::publish() noexcept {
   requests_.publish();
 }
 
-void SdkDevice::read(haptics::DeviceInput& input) noexcept {
+void SdkWorker::read(haptics::DeviceInput& input) noexcept {
   ++periods_;
   states_.begin_period();
   if (states_.commands_lost() && states_.state() == DeviceState::kForce) {
@@ -129,7 +156,7 @@ void SdkDevice::read(haptics::DeviceInput& input) noexcept {
   input.sample = sample_;
 }
 
-void SdkDevice::write(const haptics::DeviceCommand& command) noexcept {
+void SdkWorker::write(const haptics::DeviceCommand& command) noexcept {
   if (states_.accept(command) == HostStates::Next::kFollow)
     states_.enter(command.wanted == DeviceState::kForce ? DeviceState::kForce : DeviceState::kIdle);
   publish();
@@ -137,7 +164,7 @@ void SdkDevice::write(const haptics::DeviceCommand& command) noexcept {
 
 // --- the library's thread
 
-void SdkDevice::try_once() noexcept {
+void SdkWorker::try_once() noexcept {
   const unsigned trial = trials_.load(std::memory_order_relaxed);
   const std::int64_t began_ns = MonotonicClock::now_ns();
   trial_state_ = {};
@@ -147,7 +174,7 @@ void SdkDevice::try_once() noexcept {
   trials_.store(trial + 1, std::memory_order_release);
 }
 
-void SdkDevice::exchange() noexcept {
+void SdkWorker::exchange() noexcept {
   if (const Request* request = requests_.take()) {
     newest_ = *request;
     unasked_ = 0;
@@ -175,7 +202,7 @@ void SdkDevice::exchange() noexcept {
   answers_.publish();
 }
 
-void SdkDevice::finish() noexcept {
+void SdkWorker::finish() noexcept {
   SdkState last;
   (void)port_->exchange({}, last);
   (void)port_->enable_forces(false);
@@ -183,7 +210,7 @@ void SdkDevice::finish() noexcept {
 }
 
 // By the library's scheduler.
-void SdkDevice::called() noexcept {
+void SdkWorker::called() noexcept {
   if (finished_.load(std::memory_order_relaxed)) return;
   if (stop_.load(std::memory_order_relaxed)) return finish();
   if (trials_.load(std::memory_order_relaxed) < kTrials) return try_once();
@@ -191,7 +218,7 @@ void SdkDevice::called() noexcept {
 }
 
 // By the device's own thread.
-void SdkDevice::work() noexcept {
+void SdkWorker::work() noexcept {
   std::int64_t deadline_ns = MonotonicClock::now_ns();
   while (!stop_.load(std::memory_order_relaxed)) {
     exchange();

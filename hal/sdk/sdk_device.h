@@ -14,6 +14,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <utility>
 
 #include "hal/host_states.h"
 #include "hal/sdk/sdk_port.h"
@@ -22,17 +23,21 @@
 
 namespace tactus::hal {
 
-class SdkDevice {
+// Owns the port and the thread that calls it.
+class SdkWorker {
  public:
   static constexpr unsigned kGone = 50;     // periods in a row
   static constexpr unsigned kTrials = 200;  // exchanges without force, timed at the start
 
   // Error, one line: the library refuses exchanges, reports a fault, takes more than half of a period in the median, or
   // its scheduler does not call.
-  static Result<std::unique_ptr<SdkDevice>> start(std::unique_ptr<SdkPort> port, std::int64_t period_ns);
-  ~SdkDevice();
-  SdkDevice(const SdkDevice&) = delete;
-  SdkDevice& operator=(const SdkDevice&) = delete;
+  static Result<std::unique_ptr<SdkWorker>> start(std::unique_ptr<SdkPort> port, std::int64_t period_ns);
+  ~SdkWorker();
+  // Ends the exchanges without force. False: a call has not returned in `longest_ns`, and the worker must not be
+  // destroyed, ever.
+  bool end(std::int64_t longest_ns) noexcept;
+  SdkWorker(const SdkWorker&) = delete;
+  SdkWorker& operator=(const SdkWorker&) = delete;
 
   const haptics::DeviceProperties& properties() const noexcept { return properties_; }
   void read(haptics::DeviceInput& input) noexcept;
@@ -50,7 +55,7 @@ class SdkDevice {
     std::uint64_t echoed{0};
   };
 
-  SdkDevice(std::unique_ptr<SdkPort> port, std::int64_t period_ns);
+  SdkWorker(std::unique_ptr<SdkPort> port, std::int64_t period_ns);
   Status run_trials();
   Status judge_trials();
   void publish() noexcept;
@@ -83,6 +88,29 @@ class SdkDevice {
   std::atomic<unsigned> trials_{0};
   std::atomic<bool> stop_{false}, finished_{false}, gone_{false};
   loop::RealtimeThread thread_;  // declared last: it uses the other members
+};
+
+class SdkDevice {
+ public:
+  static constexpr unsigned kGone = SdkWorker::kGone, kTrials = SdkWorker::kTrials;
+  // A call of the library that takes longer at the end is left to itself, with its thread: the device's own watchdog
+  // ends the force.
+  static constexpr std::int64_t kLastCall_ns = 1'000'000'000;
+
+  // As SdkWorker::start.
+  static Result<std::unique_ptr<SdkDevice>> start(std::unique_ptr<SdkPort> port, std::int64_t period_ns);
+  ~SdkDevice();
+  SdkDevice(const SdkDevice&) = delete;
+  SdkDevice& operator=(const SdkDevice&) = delete;
+
+  const haptics::DeviceProperties& properties() const noexcept { return worker_->properties(); }
+  void read(haptics::DeviceInput& input) noexcept { worker_->read(input); }
+  void write(const haptics::DeviceCommand& command) noexcept { worker_->write(command); }
+
+ private:
+  explicit SdkDevice(std::unique_ptr<SdkWorker> worker) noexcept : worker_(std::move(worker)) {}
+
+  std::unique_ptr<SdkWorker> worker_;
 };
 
 static_assert(haptics::HapticDevice<SdkDevice>);

@@ -54,8 +54,9 @@ TEST_CASE("an arm of drives and a Falcon have addresses of their own") {
   CHECK(choice("drives:can0,vcan1").device_class->can_interfaces("can0,vcan1") ==
         std::vector<std::string>{"can0", "vcan1"});
   CHECK(choice("falcon:a,b.bin,4000").address == "a,b.bin,4000");
-  for (const char* text : {"drives:", "drives:can0,", "drives:,can0", "drives:a,b,c", "drives-sim:can0",
-                           "falcon:x.bin,", "falcon:x.bin,12", "falcon:x.bin,1e9", "falcon:x.bin,4000x"}) {
+  for (const char* text :
+       {"drives:", "drives:can0,", "drives:,can0", "drives:a,b,c", "drives:can0,can0", "drives-sim:can0",
+        "falcon:x.bin,", "falcon:x.bin,12", "falcon:x.bin,1e9", "falcon:x.bin,4000x"}) {
     INFO(text);
     CHECK_THAT(choose_device(text).message(), Contains("--device: '") && Contains("accepted: "));
   }

@@ -9,7 +9,6 @@
 #include "firmware/faults.h"
 #include "hal/drives/drive_damping.h"
 #include "hal/drives/drive_faults.h"
-#include "hal/drives/drive_setup.h"
 #include "tests/hal/drive_arms.h"
 
 using namespace tactus;
@@ -212,7 +211,7 @@ TEST_CASE("drives: what a drive does by itself latches a brake, is explained, an
     std::uint32_t number;
     const char* words;
   };
-  const Case cases[] = {{DriveFaultKind::kFaultFlag, kDriveReportsFault + 1, "the drive of axis 1 reports a fault"},
+  const Case cases[] = {{DriveFaultKind::kFaultFlag, kDriveReportsFault + 1, "the drive of axis 1 reports a fault: "},
                         {DriveFaultKind::kDisabled, kDriveLeftForce + 1, "axis 1 is not enabled any more"},
                         {DriveFaultKind::kRestarted, kDriveLeftForce + 1, "axis 1 is not enabled any more"}};
   for (const DriveFamily family : {DriveFamily::kDamiao, DriveFamily::kRobStride})
@@ -225,7 +224,7 @@ TEST_CASE("drives: what a drive does by itself latches a brake, is explained, an
       bench.inject(c.kind);
       bench.ticks(4);
       CHECK(bench.input.sample.state == DeviceState::kBrake);
-      CHECK(bench.input.sample.device_fault == c.number);
+      CHECK(number_of_drive_fault(bench.input.sample.device_fault) == c.number);
       CHECK_THAT(describe_drive_fault(bench.input.sample.device_fault), Contains(c.words) && Contains("re-arm"));
       CHECK(bench.force_N() < 0.05);
       bench.ticks(50);  // the host goes on wanting force
@@ -318,57 +317,61 @@ TEST_CASE("drives: a saturated speed field changes nothing, as the speed is take
   CHECK(bench.input.sample.state == DeviceState::kForce);
 }
 
-TEST_CASE("drives: preparing refuses what does not fit the description, by axis, with what to do") {
-  const auto refusal = [](DeviceDescription described, const DeviceDescription& real) {
-    // The arm is opened with one description, its drives are made after another.
-    SimulatedDrives world(drive_profile(real), HandModel(), kDrivePeriod_ns);
-    const DriveBuses buses = world.make_buses();
-    return prepare_drives(described.drives, buses).message();
-  };
-  const DeviceDescription damiao = point_arm_of(DriveFamily::kDamiao);
-  CHECK(refusal(damiao, damiao).empty());
-  DeviceDescription other = damiao;
-  other.drives.axes[2].torque_range_Nm = 4;
-  CHECK_THAT(refusal(other, damiao), Contains("axis 2 (drive 3)") && Contains("register 23 is 3") && Contains("is 4"));
-  other = damiao;
-  other.drives.axes[0].id = 9;
-  CHECK_THAT(refusal(other, damiao), Contains("axis 0 (drive 9)") && Contains("does not answer"));
-  other = damiao;
-  other.drives.axes[1].answer_id = 0x21;
-  CHECK_THAT(refusal(other, damiao), Contains("axis 1") && Contains("does not answer"));
-  const DeviceDescription moteus = point_arm_of(DriveFamily::kMoteus);
-  other = moteus;
-  other.drives.axes[1].id = 77;
-  CHECK_THAT(refusal(other, moteus), Contains("axis 1 (drive 77)") && Contains("does not answer"));
-}
-
-TEST_CASE("drives: one without a working watchdog is refused, where that can be provoked") {
-  for (const DriveFamily family : {DriveFamily::kMoteus, DriveFamily::kOdrive}) {
-    const DeviceDescription d = point_arm_of(family);
-    SimulatedDrives world(drive_profile(d), HandModel(), kDrivePeriod_ns);
-    const DriveBuses buses = world.make_buses();
-    CHECK(prepare_drives(d.drives, buses).ok());
-    world.drive(2).keep_no_watchdog();
-    const auto refused = prepare_drives(d.drives, buses);
-    REQUIRE_FALSE(refused.ok());
-    CHECK_THAT(refused.message(), Contains("axis 2") && Contains("watchdog") && Contains("maker's tool"));
-    for (unsigned i = 0; i < 3; ++i) CHECK_FALSE(world.drive(i).enabled());
-  }
-}
-
-TEST_CASE("drives: a drive that restarted has lost its watchdog, and is found out before force comes back") {
-  for (const DriveFamily family : {DriveFamily::kDamiao, DriveFamily::kRobStride}) {
+TEST_CASE(
+    "drives: a drive that answers without the torque that it is sent brakes the arm, whatever it tells of itself") {
+  for (const DriveFamily family : {DriveFamily::kCubeMars, DriveFamily::kMiniCheetah}) {
     CAPTURE(codec_of(family).name);
-    const DeviceDescription d = point_arm_of(family);
-    SimulatedDrives world(drive_profile(d), HandModel(), kDrivePeriod_ns);
-    const DriveBuses buses = world.make_buses();
-    REQUIRE(prepare_drives(d.drives, buses).ok());
-    CHECK(compare_drives(d.drives, buses).ok());
-    world.drive(1).restart();
-    const Status compared = compare_drives(d.drives, buses);
-    REQUIRE_FALSE(compared.ok());
-    CHECK_THAT(compared.message(), Contains("axis 1") && Contains("start again"));
+    Bench bench(point_arm_of(family));
+    bench.command.wrench.force = {2, 0, 2};
+    bench.want(DeviceState::kForce, 20);
+    REQUIRE(bench.force_N() > 1.9);
+    bench.inject(DriveFaultKind::kRestarted);
+    bench.ticks(15);
+    CHECK(bench.input.sample.state == DeviceState::kBrake);
+    CHECK(bench.input.sample.device_fault == kDriveLacksTorque + 1);
+    CHECK_THAT(describe_drive_fault(bench.input.sample.device_fault),
+               Contains("axis 1") && Contains("without the torque") && Contains("re-arm"));
+    bench.rearm();
+    CHECK(bench.input.sample.state == DeviceState::kForce);
+    CHECK(bench.force_N() > 1.9);
   }
+}
+
+TEST_CASE("drives: a force that turns, fades and stops is no lack of torque, nor is the drives' own damping") {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(-4, 4);
+  for (const DriveFamily family : kFamilies) {
+    CAPTURE(codec_of(family).name);
+    HandParameters hand;
+    const std::vector<HandWaypoint> path = {
+        {0.0, {0.05, 0, 0}, {}}, {0.15, {-0.05, 0.03, 0.02}, {}}, {0.3, {0.05, 0, 0}, {}}};
+    hand.repeat = true;
+    Bench bench(point_arm_of(family, family == DriveFamily::kOdrive ? 0 : 0.05), HandModel(hand, path));
+    bench.want(DeviceState::kForce);
+    for (int i = 0; i < 2000; ++i) {
+      if (i % (1 + i % 7) == 0) bench.command.wrench.force = {uniform(random), uniform(random), uniform(random)};
+      bench.tick();
+    }
+    CHECK(bench.input.sample.state == DeviceState::kForce);
+    CHECK(bench.input.sample.device_fault == 0);
+  }
+}
+
+TEST_CASE("drives: six ODrives on two buses run from the first tick on, and the hand has not moved before it") {
+  DeviceDescription d = wristed_arm_of_moteus();
+  d.drives.family = DriveFamily::kOdrive;
+  d.drives.data_bit_per_s = 0;
+  for (DriveAxis& axis : d.drives.axes) axis.brake_damping_Nms_per_rad = 0;
+  set_drive_quanta(d);
+  const std::vector<HandWaypoint> path = {{0.0, {0, 0, 0.05}, {}}, {1.0, {0, 0, -0.05}, {}}};
+  Bench bench(d, HandModel(HandParameters{}, path));
+  for (int i = 0; i < 300; ++i) {
+    bench.tick();
+    REQUIRE(bench.input.status == ReadStatus::kFresh);
+    if (i == 0) CHECK(bench.input.sample.device_from_tool.position.z == Approx(0.05).margin(1e-3));
+  }
+  bench.want(DeviceState::kForce, 150);
+  CHECK(bench.input.sample.state == DeviceState::kForce);
 }
 
 TEST_CASE("drives: damping in the drives is damping at the tool, at least as much as the gain check counts") {

@@ -7,6 +7,7 @@
 
 #include "hal/device_file.h"
 #include "hal/drives/bus_load.h"
+#include "hal/drives/drive_check.h"
 
 using namespace tactus;
 using namespace tactus::hal;
@@ -70,6 +71,10 @@ TEST_CASE("each mistake of a drive has its axis, its key, what was found and wha
       {"point_arm_drives", "family = \"damiao\"\nbuses = [\"can0\"]\nwatchdog_ms = 10",
        "family = \"cubemars\"\nbuses = [\"can0\"]", "[drives] watchdog_ms", "missing", "maker's tool"},
       {"point_arm_drives", "buses = [\"can0\"]", "buses = [3]", "[drives] buses", "3 is not text", "can0"},
+      {"point_arm_drives", "buses = [\"can0\"]", "buses = [\"\"]", "[drives] buses", "no CAN interface", "can0"},
+      {"wristed_arm_moteus", "[\"can0\", \"can1\"]", "[\"can0\", \"can0\"]", "[drives] buses", "can0 twice", "can1"},
+      {"point_arm_drives", "watchdog_ms = 10", "data_bit_per_s = 5000000", "[drives] data_bit_per_s", "classic CAN",
+       "leave it out"},
       {"point_arm_drives", "id = 2\n", "id = 1\n", "[drives.axis.0] id", "that of axis 1", "one of its own"},
       {"point_arm_drives", "answer_id = 18", "answer_id = 17", "[drives.axis.0] answer_id", "meets axis 1", "above"},
       {"point_arm_drives", "id = 1\nanswer_id = 17", "id = 1\nanswer_id = 1", "[drives.axis.0] answer_id", "outrank",
@@ -100,6 +105,29 @@ TEST_CASE("each mistake of a drive has its axis, its key, what was found and wha
   CHECK_THAT(parse_device_description(two, "my.toml").message(), Contains("2 entries") && Contains("3, one for each"));
 }
 
+TEST_CASE("a drive's watchdog lasts five periods at least, and no advice is given that was followed") {
+  DriveDescription drives = described(shipped("point_arm_drives")).drives;
+  const auto message = [&](double watchdog_s, std::chrono::nanoseconds period) {
+    drives.watchdog_s = watchdog_s;
+    return check_watchdog(drives, period).message();
+  };
+  CHECK(message(0.005, std::chrono::milliseconds(1)).empty());
+  CHECK_THAT(message(0.001, std::chrono::milliseconds(1)), Contains("watchdog_ms is 1,") &&
+                                                               Contains("at least 5 periods") &&
+                                                               Contains("watchdog_ms = 5 to 10, or --rate 5000 at"));
+  // A period so long that no watchdog of 10 ms is enough.
+  CHECK_THAT(message(0.01, std::chrono::milliseconds(5)), Contains("that is --rate 500 at least"));
+  drives.family = DriveFamily::kRobStride;
+  drives.buses = {"can0"};
+  CHECK_THAT(check_bus_load(drives, std::chrono::milliseconds(1)).message(),
+             Contains("or the drives spread over two buses"));
+  drives = described(shipped("wristed_arm_moteus")).drives;
+  drives.family = DriveFamily::kRobStride;
+  const std::string full = check_bus_load(drives, std::chrono::milliseconds(1)).message();
+  CHECK_THAT(full, Contains("96 %") && Contains("--rate 937 at most"));
+  CHECK(full.find("two buses") == std::string::npos);
+}
+
 TEST_CASE("an ODrive closes no damping and none in the brake") {
   std::string text = shipped("wristed_arm_moteus");
   const auto replace_all = [&text](const std::string& from, const std::string& to) {
@@ -107,6 +135,7 @@ TEST_CASE("an ODrive closes no damping and none in the brake") {
       text.replace(at, from.size(), to);
   };
   replace_all("\"moteus\"", "\"odrive\"");
+  replace_all("data_bit_per_s = 5000000\n", "");
   CHECK_THAT(parse_device_description(text, "my.toml").message(), Contains("[drives.axis.0] damping_Nms_per_rad") &&
                                                                       Contains("odrive has no damping") &&
                                                                       Contains("leave it out"));

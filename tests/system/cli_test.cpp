@@ -77,6 +77,13 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
       {"run --ratio 10.0 x.toml",
        "tactus run: --ratio: '10.0' is none; accepted: a whole number, 0 or more: haptic ticks"},
       {"run --pace 1 " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml", "tactus run: --pace: "},
+      {"run --virtual-time --device usb " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml",
+       "tactus run: --virtual-time: usb keeps real time; accepted: with --device sim, drives-sim, falcon-sim or "
+       "example"},
+      {"run --device example --device-file x.toml " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml",
+       "tactus run: --device-file: example has properties of its own"},
+      {"hil --device falcon-sim --device-file x.toml",
+       "tactus hil: --device-file: falcon-sim has properties of its own"},
       {"run --hand pointer --device usb " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml", "tactus run: --hand pointer: "},
       {"run --config /nowhere.toml", "/nowhere.toml: the file: cannot be read; accepted: "},
       {"run --budget /nowhere.json " TACTUS_SOURCE_DIR "/sim/scenes/wall.toml",

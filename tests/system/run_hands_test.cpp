@@ -63,6 +63,9 @@ TEST_CASE("several hands: what is of one hand alone is refused in one line") {
   CHECK_THAT(refused("--virtual-time --device sim --device sim", TACTUS_SOURCE_DIR "/sim/scenes/wall.toml"),
              Contains("--device: 2 for 1 hands"));
   CHECK_THAT(refused("--device can:can0"), Contains("serves one hand"));
+  CHECK_THAT(refused("--device dhd:/a --device dhd:/b"), Contains("serves one hand") && Contains("dhd:FOLDER,1234"));
+  CHECK_THAT(refused("--virtual-time --inject lost@5 --inject stall@100+20"),
+             Contains("hand 2: --inject: stall@100+20") && Contains("in the first --inject"));
   CHECK_THAT(refused("--virtual-time --device sim --device can:can0"), Contains("hand 2: --virtual-time"));
   CHECK_THAT(refused("--virtual-time --coupling static"), Contains("accepted: sub-world"));
   CHECK_THAT(refused("--virtual-time --keep-gains --ratio 40"), Contains("40 to 80 ms late"));
@@ -170,6 +173,14 @@ TEST_CASE("several hands: a configuration names their devices, and the run is lo
   CHECK_THAT(output.out, Contains("running hand=1 ") && Contains("running hand=2 "));
   CHECK_THAT(output.out, Contains("hand 2 of 2") && Contains("fault hand=2 ") && !Contains("fault hand=1 "));
   CHECK_THAT(output.out, !Contains("FAULT at"));  // the log has it, and no status line
+
+  const std::string arm = "file = \"" TACTUS_SOURCE_DIR "/hal/devices/point_arm_drives.toml\"\n";
+  std::ofstream(config.path()) << "scene = \"" << kScene << "\"\n[[device]]\nname = \"drives\"\n"
+                               << arm << "[[device]]\nname = \"drives:can0\"\n"
+                               << arm;
+  const auto one_bus = run_command(std::string(TACTUS_PROGRAM) + " config check " + config.path() + " 2>&1");
+  CHECK(one_bus.exit_code == 2);
+  CHECK_THAT(one_bus.out, Contains("drives of hand 1 takes can0, too"));
 
   std::ofstream(config.path()) << "scene = \"" << TACTUS_SOURCE_DIR
                                << "/sim/scenes/wall.toml\"\n[[device]]\n[[device]]\n";

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "hal/can/can_interface.h"
 #include "hal/drives/bus_load.h"
 #include "hal/profiles.h"
 #include "rt/text/split.h"
@@ -16,16 +17,23 @@ struct Family {
   const char* name;
   double torque_range_Nm, position_range_rad, speed_range_rad_per_s, counts_per_turn;  // 0: it has no such field
   bool answers_on_own_id;                                                              // answer_id in the file
+  double arm_ratio;        // of the capstans: a drive without a gear needs more than one with it
+  unsigned drives_of_bus;  // as many as a bus carries at 1 kHz
+  unsigned rate_of_six_Hz;
 };
 
 // Of one product each: DM4310, AK80-9, mini-cheetah, RS00, moteus with its own encoder, ODrive with 8192 counts.
 // Sources differ for CubeMars and RobStride: the file says that the maker's figures go here.
-constexpr std::array<Family, 6> kFamilies{{{"damiao", 10, 12.5, 30, 0, true},
-                                           {"cubemars", 18, 12.5, 50, 0, true},
-                                           {"mini_cheetah", 18, 12.5, 65, 0, true},
-                                           {"robstride", 17, 12.566, 50, 0, false},
-                                           {"moteus", 3, 0, 0, 16384, false},
-                                           {"odrive", 3, 0, 0, 8192, false}}};
+constexpr std::array<Family, 6> kFamilies{{{"damiao", 10, 12.5, 30, 0, true, 1, 3, 1000},
+                                           {"cubemars", 18, 12.5, 50, 0, true, 1, 3, 1000},
+                                           {"mini_cheetah", 18, 12.5, 65, 0, true, 1, 3, 1000},
+                                           {"robstride", 17, 12.566, 50, 0, false, 1, 2, 900},
+                                           {"moteus", 3, 0, 0, 16384, false, 4, 4, 1000},
+                                           {"odrive", 3, 0, 0, 8192, false, 4, 3, 1000}}};
+constexpr double kBelt_rad_per_m = 30;  // of a stage: pulleys of 33 mm
+// Closed in the drives, as it is felt at the axis: enough for walls, little enough not to be felt as honey.
+constexpr double kArmDamping_Nms_per_rad = 0.1, kStageDamping_Ns_per_m = 3, kWristDamping_Nms_per_rad = 0.0025;
+constexpr double kMoteusDampingRange_Nms_per_rad = 0.5;
 constexpr const char* kFirmware = "firmware";
 constexpr double kFirmwareCounts = 65536, kStageCounts_per_m = 100000;
 
@@ -34,7 +42,6 @@ const Family* family_of(const std::string& name) noexcept {
   return found == kFamilies.end() ? nullptr : &*found;
 }
 
-bool has_drives(const NewDescription& d) { return d.family != kFirmware; }
 bool has_links(const NewDescription& d) { return d.kind != "stage"; }
 bool has_rotation(const NewDescription& d) { return d.kind != "point_arm"; }
 bool has_fields(const NewDescription& d) {
@@ -42,6 +49,9 @@ bool has_fields(const NewDescription& d) {
   return family != nullptr && family->position_range_rad > 0;
 }
 bool has_counts(const NewDescription& d) { return !has_fields(d); }
+bool damps(const NewDescription& d) { return has_drives(d) && d.family != "odrive"; }
+bool wrist_damps(const NewDescription& d) { return damps(d) && has_rotation(d); }
+bool has_drives_in_wrist(const NewDescription& d) { return has_drives(d) && has_rotation(d); }
 bool always(const NewDescription&) { return true; }
 
 constexpr Question kQuestions[] = {
@@ -59,7 +69,13 @@ constexpr Question kQuestions[] = {
     {"--damping", "viscous damping at the tool, the smallest; 0.5 is a common estimate", "N s/m",
      &NewDescription::damping_Ns_per_m, always},
     {"--friction", "dry friction at the tool", "N", &NewDescription::coulomb_friction_N, always},
-    {"--ratio", "turns of the shaft that a drive reports per turn of its axis", "", &NewDescription::ratio, has_drives},
+    {"--ratio", "turns of the shaft that a drive reports per turn of its axis; of a stage: rad per m", "",
+     &NewDescription::ratio, has_drives},
+    {"--wrist-ratio", "the same of the last three axes", "", &NewDescription::wrist_ratio, has_drives_in_wrist},
+    {"--drive-damping", "damping closed in a drive, which the gain check counts; 0: none", "N m s/rad",
+     &NewDescription::drive_damping, damps},
+    {"--wrist-drive-damping", "the same in the last three drives", "N m s/rad", &NewDescription::wrist_drive_damping,
+     wrist_damps},
     {"--torque-range", "torque that a drive's frame spans, and that may be asked of it", "N m",
      &NewDescription::torque_range_Nm, has_drives},
     {"--position-range", "angle that a drive's frame spans to each side", "rad", &NewDescription::position_range_rad,
@@ -71,26 +87,36 @@ constexpr Question kQuestions[] = {
 
 unsigned axes_of(const NewDescription& d) { return d.kind == "point_arm" ? 3 : 6; }
 
+std::string axis_text(const NewDescription& d, const Family& family, unsigned axis, std::size_t buses) {
+  const unsigned each = (axes_of(d) + static_cast<unsigned>(buses) - 1) / static_cast<unsigned>(buses);
+  const bool wrist = axis >= 3;
+  std::string text = fmt::format("\n[[drives.axis]]\nbus = {}\nid = {}\n", axis / each, axis + 1);
+  if (family.answers_on_own_id) text += fmt::format("answer_id = {}\n", axis + 17);
+  text += fmt::format("sign = 1  # tactus device calibrate finds sign and offset\noffset_rad = 0\nratio = {:g}\n",
+                      wrist ? d.wrist_ratio : d.ratio);
+  text += fmt::format("torque_range_Nm = {:g}\n", d.torque_range_Nm);
+  if (family.position_range_rad > 0)
+    text += fmt::format("position_range_rad = {:g}\nspeed_range_rad_per_s = {:g}\n", d.position_range_rad,
+                        d.speed_range_rad_per_s);
+  else
+    text += fmt::format("counts_per_turn = {:g}\n", d.counts_per_turn);
+  if (!damps(d)) return text;
+  const double damping = wrist ? d.wrist_drive_damping : d.drive_damping;
+  if (d.family == "moteus")
+    text += fmt::format("damping_range_Nms_per_rad = {:g}  # the configured kd, in N m s/rad\n",
+                        kMoteusDampingRange_Nms_per_rad);
+  return text + fmt::format(
+                    "damping_Nms_per_rad = {0:g}  # in the drive; the gain check counts it\n"
+                    "brake_damping_Nms_per_rad = {0:g}\n",
+                    damping);
+}
+
 std::string drives_text(const NewDescription& d) {
-  const Family& family = *family_of(d.family);
   const std::vector<std::string> buses = text::split(d.buses, ',');
   std::string text = fmt::format("[drives]\nfamily = \"{}\"\nbuses = [\"{}\"]\nwatchdog_ms = {:g}\n", d.family,
                                  fmt::join(buses, "\", \""), d.watchdog_ms);
   if (d.family == "moteus") text += "data_bit_per_s = 5000000\n";
-  const unsigned count = axes_of(d),
-                 each = (count + static_cast<unsigned>(buses.size()) - 1) / static_cast<unsigned>(buses.size());
-  for (unsigned i = 0; i < count; ++i) {
-    text += fmt::format("\n[[drives.axis]]\nbus = {}\nid = {}\n", i / each, i + 1);
-    if (family.answers_on_own_id) text += fmt::format("answer_id = {}\n", i + 17);
-    text += fmt::format("sign = 1  # tactus device calibrate finds sign and offset\noffset_rad = 0\nratio = {:g}\n",
-                        d.ratio);
-    text += fmt::format("torque_range_Nm = {:g}\n", d.torque_range_Nm);
-    if (family.position_range_rad > 0)
-      text += fmt::format("position_range_rad = {:g}\nspeed_range_rad_per_s = {:g}\n", d.position_range_rad,
-                          d.speed_range_rad_per_s);
-    else
-      text += fmt::format("counts_per_turn = {:g}\n", d.counts_per_turn);
-  }
+  for (unsigned i = 0; i < axes_of(d); ++i) text += axis_text(d, *family_of(d.family), i, buses.size());
   return text;
 }
 
@@ -106,29 +132,60 @@ std::string encoders_text(const NewDescription& d) {
 
 std::span<const Question> questions() noexcept { return kQuestions; }
 
-Status check_choices(const NewDescription& d) {
-  if (d.kind != "point_arm" && d.kind != "wristed_arm" && d.kind != "stage")
-    return Status::error(fmt::format("--kind: '{}' is none; accepted: point_arm, wristed_arm, stage", d.kind));
-  if (has_drives(d) && family_of(d.family) == nullptr)
+bool has_drives(const NewDescription& d) { return d.family != kFirmware; }
+
+Status check_kind(const NewDescription& d) {
+  if (d.kind == "point_arm" || d.kind == "wristed_arm" || d.kind == "stage") return Status::good();
+  return Status::error(fmt::format("--kind: '{}' is none; accepted: point_arm, wristed_arm, stage", d.kind));
+}
+
+Status check_family(const NewDescription& d) {
+  if (!has_drives(d) || family_of(d.family) != nullptr) return Status::good();
+  return Status::error(
+      fmt::format("--family: '{}' is none; accepted: damiao, cubemars, mini_cheetah, robstride, moteus, odrive, or "
+                  "firmware for a device on tactus' wire",
+                  d.family));
+}
+
+Status check_buses(const NewDescription& d) {
+  if (d.buses.empty() || !has_drives(d)) return Status::good();
+  const auto refuse = [&](const std::string& why) {
     return Status::error(
-        fmt::format("--family: '{}' is none; accepted: damiao, cubemars, mini_cheetah, robstride, moteus, odrive, or "
-                    "firmware for a device on tactus' wire",
-                    d.family));
+        fmt::format("--buses: '{}' {}; accepted: one CAN interface or two, such as can0,can1", d.buses, why));
+  };
+  if (d.buses.find_first_of("\"\\\n") != std::string::npos) return refuse("has quotes");
+  const std::vector<std::string> buses = text::split(d.buses, ',');
+  if (buses.size() > hal::kMaxBuses) return refuse(fmt::format("names {} of them", buses.size()));
+  for (const std::string& bus : buses)
+    if (const Status status = hal::check_can_name(bus); !status.ok()) return refuse(status.message());
+  return buses.size() == 2 && buses[0] == buses[1] ? refuse("names one bus twice") : Status::good();
+}
+
+Status check_choices(const NewDescription& d) {
+  for (const Status& status : {check_kind(d), check_family(d), check_buses(d)})
+    if (!status.ok()) return status;
   if (d.name.empty() || d.name.find_first_of("\"\\\n") != std::string::npos)
     return Status::error("--name: accepted: a short name without quotes");
-  if (d.buses.find_first_of("\"\\\n") != std::string::npos)
-    return Status::error("--buses: accepted: such as can0,can1");
   return Status::good();
 }
 
 void complete(NewDescription& d) {
   const Family* family = family_of(d.family);
-  const auto fill = [](double& value, double usual) { value = value == 0 ? usual : value; };
+  const auto fill = [](auto& value, auto usual) { value = value == 0 ? usual : value; };
+  const bool six = axes_of(d) > 3, belts = d.kind == "stage";
+  fill(d.rate_Hz, family != nullptr && six ? family->rate_of_six_Hz : 1000u);
   if (family == nullptr) return fill(d.counts_per_turn, kFirmwareCounts);
+  if (d.buses.empty()) d.buses = axes_of(d) > family->drives_of_bus ? "can0,can1" : "can0";
   fill(d.torque_range_Nm, family->torque_range_Nm);
   fill(d.position_range_rad, family->position_range_rad);
   fill(d.speed_range_rad_per_s, family->speed_range_rad_per_s);
   fill(d.counts_per_turn, family->counts_per_turn);
+  fill(d.ratio, belts ? kBelt_rad_per_m : family->arm_ratio);
+  const auto damp = [](double& value, double at_axis, double ratio) {
+    value = value < 0 ? at_axis / (ratio * ratio) : value;
+  };
+  damp(d.drive_damping, belts ? kStageDamping_Ns_per_m : kArmDamping_Nms_per_rad, d.ratio);
+  damp(d.wrist_drive_damping, kWristDamping_Nms_per_rad, d.wrist_ratio);
 }
 
 std::string description_text(const NewDescription& d) {

@@ -9,23 +9,29 @@
 #include <vector>
 
 #include "hal/device_description.h"
+#include "hal/profiles.h"
 #include "rt/base/result.h"
 
 namespace tactus::device {
 
+// A figure of 0, damping of -1, an empty text: what is usual with the family and the kind; complete() puts it there.
 struct NewDescription {
   std::string name{"my_arm"};
   std::string kind{"point_arm"};  // wristed_arm, point_arm, stage
   std::string family{"damiao"};   // a family of drives, or firmware: tactus' own wire
-  std::string buses{"can0"};      // comma between them
+  std::string buses;              // comma between them
+  unsigned rate_Hz{0};            // of the loop: for the load of the buses, and the gains of the scene
   double upper_arm_m{0.3}, forearm_m{0.3};
   double radius_m{0.15};
   double peak_force_N{8}, peak_torque_Nm{0.5};
   double mass_kg{0.4}, inertia_kg_m2{1e-3};
   double damping_Ns_per_m{0.5};
   double coulomb_friction_N{0.3};
-  double ratio{1};            // of the capstans, of drives
-  double torque_range_Nm{0};  // 0: the family's usual one; also the three below
+  double ratio{0};                 // of the capstans or belts of the first three axes, of drives
+  double wrist_ratio{1};           // of the last three
+  double drive_damping{-1};        // closed in the drives of the first three axes, N m s/rad
+  double wrist_drive_damping{-1};  // and of the last three
+  double torque_range_Nm{0};
   double position_range_rad{0}, speed_range_rad_per_s{0};
   double counts_per_turn{0};
   double watchdog_ms{10};
@@ -42,10 +48,17 @@ struct Question {
 };
 std::span<const Question> questions() noexcept;
 
-// Error: an unknown kind or family, with what is accepted.
-Status check_choices(const NewDescription& description);
+// Error: an unknown kind or family, buses or a name that are none, with what is accepted.
+Status check_kind(const NewDescription& description);
+Status check_family(const NewDescription& description);
+Status check_buses(const NewDescription& description);
+Status check_choices(const NewDescription& description);  // all of these, and the name
 
-// Puts the family's usual ranges where none was given.
+// Are there drives, with buses to name?
+bool has_drives(const NewDescription& description);
+
+// Puts what is usual with the family and the kind where nothing was given: with the figures of this struct each pair of
+// them makes a description that is accepted. Precondition: check_choices() is good.
 void complete(NewDescription& description);
 
 // The file. Precondition: check_choices() is good, complete() was called.
@@ -53,5 +66,9 @@ std::string description_text(const NewDescription& description);
 
 // What follows from a description, a line each: efforts and quanta of the axes, load of the buses.
 std::vector<std::string> consequences(const hal::DeviceDescription& description, unsigned rate_Hz);
+
+// A scene to try the device in: a floor and a box, gains that the device bears at this rate, and a hand that presses
+// and slides within its workspace.
+std::string scene_text(const hal::DeviceProfile& profile, unsigned rate_Hz);
 
 }  // namespace tactus::device

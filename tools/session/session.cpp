@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "firmware/faults.h"
+#include "hal/device_class.h"
 #include "sim/loader/body_label.h"
 #include "sim/loader/scene_load.h"
 #include "sim/model/choice_names.h"
@@ -408,6 +409,12 @@ std::string overlapped_of(const sim::Scene& scene, const physics::Overlap& overl
 
 std::string Session::tape_text() const { return to_tape_text(options, device->properties(), scene.name, scene.source); }
 
+bool Session::hand_is_scripted() const {
+  if (options.taped_device || options.given_device) return false;
+  const auto choice = hal::choose_device(options.device);
+  return choice.ok() && choice.value().device_class->hand_by_script;
+}
+
 RunSummary Session::summary() const {
   RunSummary summary;
   summary.options = options;
@@ -419,8 +426,7 @@ RunSummary Session::summary() const {
   summary.members_cap = members;
   summary.sub_steps = loop->config().sub_world.step.sub_steps;
   summary.bodies = dynamic_bodies_of(scene);
-  summary.scene_problems =
-      sim::report_on(scene, device->properties(), options.period_s(), simulated() != nullptr).problems;
+  summary.scene_problems = sim::report_on(scene, device->properties(), options.period_s(), hand_is_scripted()).problems;
   summary.stats = stats;
   summary.has_global = global != nullptr;
   if (global != nullptr) summary.global = global->statistics();

@@ -103,6 +103,9 @@ class Session {
   // The simulated device, with its exact state; null on a real device.
   const hal::SimulatedDevice* simulated() const noexcept { return device->as<hal::SimulatedDevice>(); }
 
+  // The scene's [hand] holds the tool: then it is judged with the scene.
+  bool hand_is_scripted() const;
+
   // [setup] The simulated hand rests where its path begins, until a person takes it. False: the device is a real one.
   bool rest_hand() noexcept;
 

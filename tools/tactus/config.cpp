@@ -12,6 +12,7 @@
 #include "tools/doctor/system_view.h"
 #include "tools/json_report.h"
 #include "tools/service/configuration.h"
+#include "tools/session/distinct_devices.h"
 #include "tools/tactus/commands.h"
 #include "tools/timing/budget.h"
 
@@ -64,6 +65,10 @@ std::vector<std::string> problems_of(const ConfigOptions& options, std::string& 
   for (std::size_t i = 1; i < reading.configuration.devices.size(); ++i)
     if (const auto& file = reading.configuration.devices[i].file; !file.empty())
       add(hal::load_device_file(file).message());
+  std::vector<session::NamedDevice> named;
+  for (const service::DeviceChoice& device : reading.configuration.devices) named.push_back({device.name, device.file});
+  if (const Status status = session::check_distinct(named, "virtuose6d"); !status.ok())
+    add(fmt::format("{}: [[device]]: {}", options.file, status.message()));
   if (const auto& budget = reading.configuration.budget; !budget.empty())
     add(timing::load_budget(budget.string()).message());
   return problems;

@@ -75,6 +75,8 @@ int write(const AskCommand& c, hal::AnyLink& link) {
   if ((row.access == firmware::Access::kCommand) != executes)
     return refuse(fmt::format("{} is {}; accepted: {}", row.name, executes ? "no command" : "a command",
                               executes ? "write" : "execute"));
+  if (row.access == firmware::Access::kRead)
+    return refuse(fmt::format("{} is told by the device and cannot be written; accepted: read {}", row.name, row.name));
   if (name.value().count != 1)
     return refuse(
         fmt::format("{} are {} registers; accepted: one of them, such as {}[0]", row.name, row.count, row.name));

@@ -214,7 +214,7 @@ int calibrate_real(const CalibrateCommand& c, const hal::DeviceProfile& profile,
   if (!buses.ok()) return refuse(buses.message(), kExitMachineCannot);
   const auto prepared = hal::prepare_drives(drives, buses.value());
   if (!prepared.ok()) return refuse(prepared.message(), kExitMachineCannot);
-  if (!c.json) fmt::print("{}\n", prepared.value());
+  if (!c.json) fmt::print("{}\n", fmt::join(prepared.value(), ", "));
   Person person;
   auto found = go_through(profile, buses.value(), person);
   if (!found.ok()) return refuse(found.message(), kExitMachineCannot);

@@ -10,6 +10,7 @@
 
 #include "hal/device_file.h"
 #include "hal/drives/bus_load.h"
+#include "hal/drives/drive_check.h"
 #include "tools/device/new_description.h"
 #include "tools/tactus/device.h"
 
@@ -22,13 +23,13 @@ using device::Question;
 struct NewCommand {
   NewDescription description;
   std::string out;
-  unsigned rate_Hz{1000};
   bool ask{false}, overwrite{false};
   std::vector<CLI::Option*> options;  // one per question
-  CLI::Option *kind{nullptr}, *family{nullptr};
+  CLI::Option *kind{nullptr}, *family{nullptr}, *buses{nullptr};
 };
 
-int refuse(const std::string& text) { return complain("tactus device new: " + text, kExitBadInput); }
+// Mistakes of the description's text begin with its line; the others with the command.
+Status mistake(const std::string& text) { return Status::error("tactus device new: " + text); }
 
 // An empty line keeps the value. False: the input has ended.
 bool answer(const std::string& question, std::string& value) {
@@ -53,50 +54,105 @@ bool answer(const std::string& question, double& value) {
   }
 }
 
-// What was not given as an option is asked for.
-Status ask_for_the_rest(NewCommand& c) {
+// A choice that is none is said and asked for again.
+bool answer(const NewDescription& d, const std::string& question, std::string& value,
+            Status (*check)(const NewDescription&)) {
+  for (;;) {
+    if (!answer(question, value)) return false;
+    const Status status = check(d);
+    if (status.ok()) return true;
+    fmt::print(stderr, "{}\n", status.message());
+  }
+}
+
+// What was not given as an option is asked for. False: the input has ended.
+bool ask_for_the_rest(NewCommand& c) {
   NewDescription& d = c.description;
-  const Status ended = Status::error("the input ended before the last question");
-  if (c.kind->count() == 0 && !answer("kind of arm: point_arm, wristed_arm, stage", d.kind)) return ended;
+  if (c.kind->count() == 0 && !answer(d, "kind of arm: point_arm, wristed_arm, stage", d.kind, device::check_kind))
+    return false;
   if (c.family->count() == 0 &&
-      !answer("drives: damiao, cubemars, mini_cheetah, robstride, moteus, odrive, or firmware", d.family))
-    return ended;
-  if (Status status = device::check_choices(d); !status.ok()) return status;
+      !answer(d, "drives: damiao, cubemars, mini_cheetah, robstride, moteus, odrive, or firmware", d.family,
+              device::check_family))
+    return false;
+  if (!device::check_choices(d).ok()) return true;  // of what options gave: they are not asked for
   device::complete(d);
+  if (c.buses->count() == 0 && device::has_drives(d) &&
+      !answer(d, "CAN interfaces, a comma between two", d.buses, device::check_buses))
+    return false;
   const auto all = device::questions();
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (c.options[i]->count() > 0 || !all[i].applies(d)) continue;
     const std::string unit = all[i].unit[0] == 0 ? "" : fmt::format(", {}", all[i].unit);
-    if (!answer(all[i].text + unit, d.*all[i].value)) return ended;
+    if (!answer(all[i].text + unit, d.*all[i].value)) return false;
   }
-  return Status::good();
+  return true;
+}
+
+// The description, checked as a run checks it.
+struct Described {
+  std::string text;
+  hal::DeviceProfile profile;
+};
+
+Result<Described> describe(NewCommand& c) {
+  NewDescription& d = c.description;
+  if (const Status status = device::check_choices(d); !status.ok()) return mistake(status.message());
+  device::complete(d);
+  Described made{.text = device::description_text(d), .profile = {}};
+  const auto parsed = hal::parse_device_description(made.text, c.out.empty() ? "the description" : c.out);
+  if (!parsed.ok()) return parsed.status();
+  const hal::DriveDescription& drives = parsed.value().drives;
+  const std::chrono::nanoseconds period(1'000'000'000 / d.rate_Hz);
+  if (!drives.empty())
+    for (const Status& status : {hal::check_bus_load(drives, period), hal::check_watchdog(drives, period)})
+      if (!status.ok()) return mistake(status.message());
+  made.profile = hal::make_profile(parsed.value());
+  return made;
+}
+
+// In questions, a mistake is said, and they are asked again with the answers so far.
+Result<Described> ask_and_describe(NewCommand& c) {
+  const bool asking = c.ask || (isatty(STDIN_FILENO) != 0 && c.kind->count() == 0);
+  if (asking && !ask_for_the_rest(c)) return mistake("the input ended before the last question");
+  for (;;) {
+    auto made = describe(c);
+    if (made.ok() || !asking) return made;
+    fmt::print(stderr, "{}\nOnce more; Enter keeps what is shown.\n", made.message());
+    if (!ask_for_the_rest(c)) return made;
+  }
+}
+
+// The scene beside a description: my_arm.toml has my_arm_scene.toml.
+std::string scene_beside(const std::string& out) {
+  const std::filesystem::path path(out);
+  return (path.parent_path() / (path.stem().string() + "_scene.toml")).string();
+}
+
+int write_both(const NewCommand& c, const Described& made) {
+  const unsigned rate_Hz = c.description.rate_Hz;
+  const std::string scene = scene_beside(c.out);
+  if (const int exit_code = write_file(c.out, made.text); exit_code != kExitGood) return exit_code;
+  if (const int exit_code = write_file(scene, device::scene_text(made.profile, rate_Hz)); exit_code != kExitGood)
+    return exit_code;
+  for (const std::string& line : device::consequences(made.profile.description, rate_Hz)) fmt::print("{}\n", line);
+  fmt::print("{} and {} are written. See it move: tactus run {} --device {} --device-file {}{} --view\n", c.out, scene,
+             scene, made.profile.description.drives.empty() ? "sim" : "drives-sim", c.out,
+             rate_Hz == 1000 ? "" : fmt::format(" --rate {}", rate_Hz));
+  return kExitGood;
 }
 
 int run_new(NewCommand& c) {
-  NewDescription& d = c.description;
-  if (!c.out.empty() && !c.overwrite && std::filesystem::exists(c.out))
-    return refuse(fmt::format("--out: {} is there already; accepted: another name, or --overwrite", c.out));
-  if (c.ask || (isatty(STDIN_FILENO) != 0 && c.kind->count() == 0))
-    if (const Status status = ask_for_the_rest(c); !status.ok()) return refuse(status.message());
-  if (const Status status = device::check_choices(d); !status.ok()) return refuse(status.message());
-  device::complete(d);
-  const std::string text = device::description_text(d);
-  const auto parsed = hal::parse_device_description(text, c.out.empty() ? "the description" : c.out);
-  if (!parsed.ok()) return complain_of_each(parsed.message(), kExitBadInput);
-  if (!parsed.value().drives.empty())
-    if (const Status status =
-            hal::check_bus_load(parsed.value().drives, std::chrono::nanoseconds(1'000'000'000 / c.rate_Hz));
-        !status.ok())
-      return refuse(status.message() + "; --buses can0,can1 spreads the drives over two");
-  if (c.out.empty()) {
-    fmt::print("{}", text);
-    return kExitGood;
-  }
-  if (const int exit_code = write_file(c.out, text); exit_code != kExitGood) return exit_code;
-  for (const std::string& line : device::consequences(parsed.value(), c.rate_Hz)) fmt::print("{}\n", line);
-  const char* simulated = parsed.value().drives.empty() ? "sim" : "drives-sim";
-  fmt::print("{} is written. See it move: tactus run sim/scenes/card_house.toml --device {} --device-file {} --view\n",
-             c.out, simulated, c.out);
+  if (!c.out.empty() && !c.overwrite)
+    for (const std::string& file : {c.out, scene_beside(c.out)})
+      if (std::filesystem::exists(file))
+        return complain(fmt::format("tactus device new: --out: {} is there already; accepted: another name, or "
+                                    "--overwrite",
+                                    file),
+                        kExitBadInput);
+  auto made = ask_and_describe(c);
+  if (!made.ok()) return complain_of_each(made.message(), kExitBadInput);
+  if (!c.out.empty()) return write_both(c, made.value());
+  fmt::print("{}", made.value().text);
   return kExitGood;
 }
 
@@ -110,8 +166,11 @@ void add_device_new_command(CLI::App& device, int& exit_code) {
       "On a terminal without --kind, or with --ask, it asks for every figure that no option gives. The description is\n"
       "checked as a run checks it: ranges of the drives, identifiers, load of the buses. What only a measurement "
       "tells\n"
-      "is an estimate, and the file says so. Without --out it is printed. Exit status: 0 good; 2 a figure does not go\n"
-      "with the others.\n\n"
+      "is an estimate, and the file says so. A figure that is not given is one that goes with the others for an arm "
+      "of\n"
+      "this size. Without --out the description is printed; with it a scene is written, too, whose gains the arm "
+      "bears.\n"
+      "Exit status: 0 good; 2 a figure does not go with the others.\n\n"
       "Examples:\n  tactus device new --kind point_arm --family damiao --out my_arm.toml\n"
       "  tactus device new --kind wristed_arm --family moteus --buses can0,can1 --ratio 8 --peak-torque 0.5\n"
       "  tactus device new --ask --out my_arm.toml");
@@ -121,18 +180,19 @@ void add_device_new_command(CLI::App& device, int& exit_code) {
                                     "firmware: a device on tactus' own wire")
                         ->capture_default_str();
   app->add_option("--name", d.name, "for messages")->capture_default_str();
-  app->add_option("--buses", d.buses, "CAN interfaces, a comma between two")->capture_default_str();
+  command->buses = app->add_option(
+      "--buses", d.buses, "CAN interfaces, a comma between two; default: can0, or can0,can1 where one is not enough");
   app->add_option("--watchdog", d.watchdog_ms, "of the drives [ms], at most 10")->capture_default_str();
   for (const Question& question : device::questions()) {
     const std::string unit = question.unit[0] == 0 ? "" : fmt::format(" [{}]", question.unit);
     CLI::Option* option = app->add_option(question.option, d.*question.value, question.text + unit);
-    if (d.*question.value != 0) option->capture_default_str();
+    if (d.*question.value > 0) option->capture_default_str();
     command->options.push_back(option);
   }
-  app->add_option("--rate", command->rate_Hz, "of the loop [Hz], for the load of the buses")
-      ->check(CLI::Range(100, 10000))
-      ->capture_default_str();
-  app->add_option("--out", command->out, "write the file here");
+  app->add_option("--rate", d.rate_Hz,
+                  "of the loop [Hz], for the load of the buses; default: 1000, of six RobStrides 900")
+      ->check(CLI::Range(100, 10000));
+  app->add_option("--out", command->out, "write the file here, and beside it a scene to try it in: my_arm_scene.toml");
   app->add_flag("--ask", command->ask, "ask for what no option gives");
   app->add_flag("--overwrite", command->overwrite, "replace the file");
   app->callback([command, &exit_code] { exit_code = run_new(*command); });

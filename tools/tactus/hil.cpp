@@ -202,9 +202,14 @@ int run_hil(HilCommand& c) {
                                 unknown, c.device),
                     kExitBadInput);
   if (c.virtual_time && device_class.real)
-    return complain(
-        fmt::format("tactus hil: --virtual-time: {} keeps real time; accepted: with --device sim", c.device),
-        kExitBadInput);
+    return complain(fmt::format("tactus hil: --virtual-time: {} keeps real time; accepted: with --device {}", c.device,
+                                hal::simulated_devices()),
+                    kExitBadInput);
+  if (device_class.describes_itself && !c.device_file.empty())
+    return complain(fmt::format("tactus hil: --device-file: {} has properties of its own, and a description no effect; "
+                                "accepted: without it, or with {}",
+                                c.device, hal::described_by_files()),
+                    kExitBadInput);
   const auto profile = session::find_description(c.profile, c.device_file);
   if (!profile.ok()) return complain_of_each(profile.message(), kExitBadInput);
 

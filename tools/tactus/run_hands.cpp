@@ -9,12 +9,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "hal/device_class.h"
 #include "sim/loader/scene_load.h"
 #include "tools/json_report.h"
 #include "tools/service/paced_run.h"
 #include "tools/service/run_service.h"
+#include "tools/session/distinct_devices.h"
 #include "tools/session/find_description.h"
+#include "tools/session/inject_script.h"
 #include "tools/session/realtime_run.h"
 #include "tools/session/virtual_run.h"
 #include "tools/tactus/commands.h"
@@ -257,15 +258,18 @@ Result<std::vector<session::RunOptions>> options_of_hands(const HandsCommand& co
     o.cpu = hand < each.cpus.size() ? each.cpus[hand] : -1;
     if (const Status status = session::check_options(o); !status.ok())
       return Status::error(fmt::format("hand {}: {}", hand + 1, status.message()));
-    const auto choice = hal::choose_device(o.device);
-    const bool taken = std::any_of(options.begin(), options.begin() + hand,
-                                   [&](const session::RunOptions& other) { return other.device == o.device; });
-    if (taken && choice.ok() && choice.value().device_class->real)
-      return Status::error(
-          fmt::format("--device {}: serves one hand, and this is of two; accepted: each its own, such "
-                      "as usb:SERIAL, or sim",
-                      o.device));
   }
+  for (unsigned hand = 1; hand < hands; ++hand) {
+    const auto script = session::split_inject_script(options[hand].inject);
+    if (script.ok() && (!script.value().stalls.empty() || !script.value().resets.empty()))
+      return Status::error(
+          fmt::format("hand {}: --inject: {}: stall and reset are of all hands' world and operator; accepted: in the "
+                      "first --inject",
+                      hand + 1, options[hand].inject));
+  }
+  std::vector<session::NamedDevice> named;
+  for (const session::RunOptions& o : options) named.push_back({o.device, o.device_file});
+  if (Status status = session::check_distinct(named, command.scene.device.profile); !status.ok()) return status;
   return options;
 }
 

@@ -3,7 +3,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "hal/device_class.h"
 #include "hal/sdk/dhd_port.h"
+#include "hal/sdk/within.h"
 #include "tests/hal/sdk/sdk_loop.h"
 #include "tests/hal/sdk/stand_in/dhd.h"
 
@@ -36,14 +38,18 @@ StandIn& reset() {
   d.in_use = d.wrist = d.gone = d.refuses_force = d.forces_on = false;
   d.blocks_us = d.stops = d.closed = d.exchanges = 0;
   d.turn_rad = 0;
+  d.major = 3;
+  d.minor = 17;
+  d.serial_asked = -1;
+  d.says_nothing = d.refuses_expert = d.hangs = false;
   for (unsigned i = 0; i < 3; ++i) d.position_m[i] = d.speed_m_per_s[i] = 0;
   return d;
 }
 
-Result<std::unique_ptr<DhdPort>> open_port() {
+Result<std::unique_ptr<DhdPort>> open_port(std::optional<unsigned> serial = std::nullopt) {
   auto library = DhdLibrary::load(TACTUS_STAND_IN_DHD);
   REQUIRE(library.ok());
-  return DhdPort::open(std::move(library).value());
+  return DhdPort::open(std::move(library).value(), serial);
 }
 
 std::unique_ptr<SdkDevice> open_device() {
@@ -201,4 +207,75 @@ TEST_CASE("dhd: a library that takes longer than the period allows is refused at
   const auto device = SdkDevice::start(std::move(port).value(), kSdkPeriod_ns);
   REQUIRE_FALSE(device.ok());
   CHECK_THAT(device.message(), Contains("us for an exchange; accepted: at most 500"));
+}
+
+TEST_CASE("dhd: a library of another version is refused, with both versions") {
+  StandIn& d = reset();
+  const auto message = [&](int major, int minor) {
+    d.major = major;
+    d.minor = minor;
+    return DhdLibrary::load(TACTUS_STAND_IN_DHD).message();
+  };
+  CHECK(message(3, 16).empty());
+  CHECK(message(3, 99).empty());
+  CHECK_THAT(message(3, 14), Contains("SDK 3.14.5") && Contains("accepted: 3.16"));
+  CHECK_THAT(message(4, 1), Contains("SDK 4.1.5") && Contains("accepted: 3.16"));
+  (void)reset();
+}
+
+TEST_CASE("dhd: a watchdog that cannot be set is said with the device's name, and no text is no crash") {
+  StandIn& d = reset();
+  d.refuses_expert = true;
+  {
+    const auto port = open_port();
+    REQUIRE(port.ok());
+    CHECK_THAT(port.value()->identity(), Contains("omega.3, serial 1234, SDK 3.17.5;") &&
+                                             Contains("watchdog could not be set to 10 ms") && Contains("time guard") &&
+                                             Contains("no expert mode"));
+  }
+  d.says_nothing = true;
+  CHECK_THAT(open_port().value()->identity(), Contains("device without a name"));
+  d.in_use = true;
+  CHECK_THAT(open_port().message(), Contains("cannot be opened: its library says no reason"));
+  (void)reset();
+}
+
+TEST_CASE("dhd: one of several devices is opened by its serial number") {
+  StandIn& d = reset();
+  CHECK(open_port(1234).ok());
+  CHECK(d.serial_asked == 1234);
+  CHECK_THAT(open_port(99).message(), Contains("the device with serial 99 cannot be opened"));
+  const DeviceClass& dhd = *find_device_class("dhd");
+  const auto takes = [&](const char* address) { return dhd.takes(address, {}).front(); };
+  CHECK(takes("").empty());
+  CHECK(takes("/opt/sdk").empty());
+  CHECK(takes("/opt/a,b").empty());  // a folder with a comma
+  CHECK(takes("/opt/sdk,1234") == takes("/elsewhere,1234"));
+  CHECK_FALSE(choose_device("dhd:/opt/sdk,").ok());
+}
+
+TEST_CASE("dhd: a call that never returns is left to itself at the end, and while the device is opened", "[threads]") {
+  StandIn& d = reset();
+  {
+    const auto device = open_device();
+    SdkLoop loop{*device};
+    REQUIRE(loop.is_fresh());
+    d.hangs = true;
+    CHECK(loop.until([&] { return loop.input.status == ReadStatus::kDisconnected; }));
+  }  // ends, although the call does not
+  const unsigned stops = d.stops;
+  d.hangs = false;  // then the thread that was left ends its force
+  for (unsigned i = 0; i < kSdkPatience && d.stops == stops; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(d.stops > stops);
+  const auto hangs = std::make_shared<std::atomic<bool>>(true);
+  const auto late = within<int>(std::chrono::seconds(0), "the library does not return", [hangs] {
+    while (*hangs) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return Result<int>(1);
+  });
+  CHECK_THAT(late.message(), Contains("the library does not return after 0 s"));
+  *hangs = false;
+  const auto soon = within<int>(std::chrono::seconds(600), "late", [] { return Result<int>(7); });
+  REQUIRE(soon.ok());
+  CHECK(soon.value() == 7);
 }

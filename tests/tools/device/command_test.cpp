@@ -9,6 +9,7 @@
 #include "tests/support/run_command.h"
 #include "tests/support/temporary_file.h"
 #include "tools/device/calibration.h"
+#include "tools/private_folder.h"
 
 using namespace tactus;
 using Catch::Matchers::Contains;
@@ -55,42 +56,89 @@ TEST_CASE("device ask: mistakes are one line and status 2, refusals of the devic
        {"ask", "ask --device sim raed", "ask --device sim read max_efort", "ask --device sim write max_effort 1",
         "ask --device sim write max_effort[0] -1", "ask --device sim write save 0", "ask --device sim execute period",
         "ask --device sim --write", "new --kind arm", "new --family vesc",
-        "new --kind wristed_arm --family damiao --position-range 100", "calibrate"}) {
+        "new --kind wristed_arm --family damiao --position-range 3", "calibrate", "new --buses ,",
+        "new --buses can0,can0", "new --buses can0,can1,can2", "new --kind wristed_arm --buses can0"}) {
     const CommandOutput output = run(wrong);
     INFO(wrong << "\n" << output.out);
     CHECK(output.exit_code == 2);
     CHECK_THAT(output.out, Contains("accepted: ") || Contains("required") || Contains("fits"));
   }
-  const CommandOutput refused = run("ask --device sim write period 500");
-  CHECK(refused.exit_code != 0);
+  const CommandOutput refused = run("ask --device sim write period -5");
+  CHECK(refused.exit_code == 2);
+  CHECK_THAT(refused.out, Contains("period is told by the device and cannot be written; accepted: read period"));
   CHECK(run("ask --device drives read").exit_code == 3);
 }
 
 TEST_CASE("device new: options make a description that is checked, and no file is overwritten unasked") {
-  const test::TemporaryFile file;
-  const std::string out = " --out " + file.path();
-  CHECK(run("new --kind point_arm --family damiao" + out).exit_code == 2);  // it is there
+  const auto folder = PrivateFolder::make();
+  const std::string file = (folder.value()->path() / "my_arm.toml").string(), out = " --out " + file;
+  std::ofstream(folder.value()->path() / "my_arm_scene.toml") << "mine";
+  CHECK(run("new --kind point_arm --family damiao" + out).exit_code == 2);  // the scene is there
   const CommandOutput made = run("new --kind point_arm --family damiao --radius 0.12 --overwrite" + out);
   CHECK(made.exit_code == 0);
   CHECK_THAT(made.out, Contains("bus can0: 81 % loaded at 1000 Hz") && Contains("is written"));
-  const auto description = hal::load_device_file(file.path());
+  const auto description = hal::load_device_file(file);
   REQUIRE(description.ok());
   CHECK(description.value().description.workspace_radius_m == 0.12);
 }
 
 TEST_CASE("device new --ask: an answer counts, an empty line keeps what is offered") {
-  const test::TemporaryFile file;
-  // kind, family, upper arm, forearm, radius, a word that is no number, then the radius again; the rest is kept
+  const auto folder = PrivateFolder::make();
+  const std::string file = (folder.value()->path() / "my_arm.toml").string();
+  // kind, family, buses, upper arm, forearm, radius, a word that is no number, then the radius again; the rest is kept
   const CommandOutput made =
-      run("new --ask --overwrite --out " + file.path(), "point_arm\nmoteus\n0.25\n\nwide\n0.11\n\n\n\n\n8\n\n\n\n\n\n");
+      run("new --ask --out " + file, "point_arm\nmoteus\n\n0.25\n\nwide\n0.11\n\n\n\n\n8\n\n\n\n\n\n");
   INFO(made.out);
   REQUIRE(made.exit_code == 0);
   CHECK_THAT(made.out, Contains("'wide' is no number"));
-  const auto description = hal::load_device_file(file.path());
+  const auto description = hal::load_device_file(file);
   REQUIRE(description.ok());
   CHECK(description.value().description.links.upper_m == 0.25);
   CHECK(description.value().description.workspace_radius_m == 0.11);
   CHECK(description.value().description.drives.axes[0].ratio == 8);
+}
+
+TEST_CASE("device new: what it writes for each kind on each family runs by the command that it prints") {
+  for (const std::string kind : {"point_arm", "wristed_arm", "stage"})
+    for (const std::string family :
+         {"damiao", "cubemars", "mini_cheetah", "robstride", "moteus", "odrive", "firmware"}) {
+      CAPTURE(kind, family);
+      const auto folder = PrivateFolder::make();
+      const std::string out = (folder.value()->path() / "my_arm.toml").string();
+      const CommandOutput made = run("new --kind " + kind + " --family " + family + " --out " + out);
+      INFO(made.out);
+      REQUIRE(made.exit_code == 0);
+      const std::string see = "See it move: tactus run ", view = " --view";
+      const std::size_t from = made.out.find(see), to = made.out.find(view);
+      REQUIRE((from != std::string::npos && to != std::string::npos));
+      const std::string printed = made.out.substr(from + see.size(), to - from - see.size());
+      const CommandOutput ran =
+          test::run_command(TACTUS_PROGRAM " run " + printed + " --virtual-time --duration 12 --json 2>&1");
+      INFO(ran.out);
+      REQUIRE(ran.exit_code == 0);
+      const auto summary = nlohmann::json::parse(ran.out.substr(ran.out.find('{')));
+      CHECK(summary["verdict"] != "bad");
+      CHECK(summary["force_max_N"] > 0.05);  // the floor is felt
+    }
+}
+
+TEST_CASE("device new --ask: Enter throughout makes a file, and a mistake is asked for once more") {
+  const auto folder = PrivateFolder::make();
+  const std::string out = " --out " + (folder.value()->path() / "my_arm.toml").string();
+  for (const std::string family : {"", "odrive", "robstride"}) {
+    const CommandOutput made = run("new --ask --overwrite" + out, "wristed_arm\n" + family + std::string(30, '\n'));
+    INFO(made.out);
+    CHECK(made.exit_code == 0);
+    CHECK_THAT(made.out, Contains("CAN interfaces, a comma between two [can0,can1]"));
+  }
+  // a family that is none, one bus twice, then a torque beyond the drives: said, and the rest is kept
+  const CommandOutput mended = run("new --ask --overwrite --peak-torque 0.5" + out,
+                                   "wristed_arm\nvesc\nodrive\ncan3,can3\ncan3,can4\n0.4\n\n\n900" +
+                                       std::string(8, '\n') + std::string(6, '\n') + "5" + std::string(30, '\n'));
+  INFO(mended.out);
+  CHECK(mended.exit_code == 0);
+  CHECK_THAT(mended.out, Contains("'vesc' is none") && Contains("names one bus twice") && Contains("Once more") &&
+                             Contains("from axis to axis, m [0.4]"));
 }
 
 TEST_CASE("device calibrate: a simulated hand finds the signs and offsets of an arm that is mounted otherwise") {

@@ -11,21 +11,15 @@ using namespace tactus;
 using namespace tactus::device;
 using Catch::Matchers::Contains;
 
-TEST_CASE("every kind on every family makes a description that is accepted") {
+TEST_CASE("every kind on every family makes a description that is accepted and fits its buses") {
   for (const char* kind : {"point_arm", "wristed_arm", "stage"})
     for (const char* family : {"damiao", "cubemars", "mini_cheetah", "robstride", "moteus", "odrive", "firmware"}) {
       CAPTURE(kind, family);
       NewDescription d;
       d.kind = kind;
       d.family = family;
-      d.buses = "can0,can1";
-      d.ratio = 4;
-      d.peak_torque_Nm = 0.2;
-      if (d.kind == "stage")
-        d.ratio = 20;  // rad per m of a belt, but the wrist turns by it, too: not on a drive's range
       REQUIRE(check_choices(d).ok());
       complete(d);
-      if (d.kind != "point_arm") d.position_range_rad = d.position_range_rad == 0 ? 0 : 100;
       const auto parsed = hal::parse_device_description(description_text(d), "new");
       INFO((parsed.ok() ? "" : parsed.message()));
       REQUIRE(parsed.ok());
@@ -34,7 +28,12 @@ TEST_CASE("every kind on every family makes a description that is accepted") {
                                                                                      : 6u));
       CHECK(parsed.value().peak_force_N == d.peak_force_N);
       CHECK(parsed.value().workspace_radius_m == d.radius_m);
-      CHECK(consequences(parsed.value(), 1000).size() >= 4);
+      CHECK(hal::check_bus_load(parsed.value().drives, std::chrono::nanoseconds(1'000'000'000 / d.rate_Hz)).ok());
+      CHECK(consequences(parsed.value(), d.rate_Hz).size() >= 4);
+      // The gain check counts the damping of the drives that have one.
+      const hal::DeviceProfile profile = hal::make_profile(parsed.value());
+      const bool damps = std::string(family) != "odrive" && std::string(family) != "firmware";
+      CHECK((profile.drive_damping_Ns_per_m > 0.1) == damps);
     }
 }
 
@@ -50,14 +49,14 @@ TEST_CASE("figures that are given are kept, those that are not become the family
 TEST_CASE("six drives on one classic bus are too many at 1 kHz") {
   NewDescription d;
   d.kind = "wristed_arm";
-  d.position_range_rad = 100;
+  d.buses = "can0";
   complete(d);
   const auto parsed = hal::parse_device_description(description_text(d), "new");
   REQUIRE(parsed.ok());
   CHECK_FALSE(hal::check_bus_load(parsed.value().drives, std::chrono::milliseconds(1)).ok());
 }
 
-TEST_CASE("an unknown kind, family or a name with quotes is refused with what is accepted") {
+TEST_CASE("an unknown kind, family, bus or a name with quotes is refused with what is accepted") {
   const auto refusal = [](auto change) {
     NewDescription d;
     change(d);
@@ -66,5 +65,6 @@ TEST_CASE("an unknown kind, family or a name with quotes is refused with what is
   CHECK_THAT(refusal([](NewDescription& d) { d.kind = "arm"; }), Contains("point_arm, wristed_arm, stage"));
   CHECK_THAT(refusal([](NewDescription& d) { d.family = "vesc"; }), Contains("damiao, cubemars"));
   CHECK_THAT(refusal([](NewDescription& d) { d.name = "a\"b"; }), Contains("--name"));
-  CHECK_THAT(refusal([](NewDescription& d) { d.buses = "can0\""; }), Contains("--buses"));
+  for (const char* buses : {"can0\"", ",", "can0,", "can0,can0", "a,b,c", "an_interface_of_16"})
+    CHECK_THAT(refusal([&](NewDescription& d) { d.buses = buses; }), Contains("--buses") && Contains("can0,can1"));
 }

@@ -21,19 +21,23 @@ extern "C" {
 StandIn* stand_in() { return &g_device; }
 
 int dhdOpenID(char) { return g_device.in_use ? -1 : 3; }
+int dhdOpenSerial(int serial) {
+  g_device.serial_asked = serial;
+  return serial == 1234 ? 3 : -1;
+}
 int dhdClose(char) {
   ++g_device.closed;
   return 0;
 }
 int dhdGetDeviceCount() { return g_device.count; }
-const char* dhdErrorGetLastStr() { return "device is in use"; }
+const char* dhdErrorGetLastStr() { return g_device.says_nothing ? nullptr : "device is in use"; }
 void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
-  *major = 3;
-  *minor = 17;
+  *major = g_device.major;
+  *minor = g_device.minor;
   *release = 5;
   *revision = 0;
 }
-const char* dhdGetSystemName(char) { return "omega.3"; }
+const char* dhdGetSystemName(char) { return g_device.says_nothing ? nullptr : "omega.3"; }
 int dhdGetSystemType(char) { return g_device.type; }
 int dhdGetSerialNumber(unsigned short* serial, char) {
   *serial = 1234;
@@ -42,6 +46,7 @@ int dhdGetSerialNumber(unsigned short* serial, char) {
 bool dhdHasWrist(char) { return g_device.wrist; }
 bool dhdHasActiveWrist(char) { return g_device.wrist; }
 int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double matrix[3][3], char) {
+  while (g_device.hangs) usleep(1000);
   if (g_device.blocks_us > 0) usleep(g_device.blocks_us);
   for (int i = 0; i < 3; ++i) {
     const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) -
@@ -85,12 +90,14 @@ int dhdGetStatus(int status[17], char) {
   return 0;
 }
 #endif
-int dhdEnableExpertMode() { return 0; }
+int dhdEnableExpertMode() { return g_device.refuses_expert ? -1 : 0; }
 int dhdSetTimeGuard(int time_us, char) {
+  if (g_device.refuses_expert) return -1;
   g_device.time_guard_us = time_us;
   return 0;
 }
 int dhdSetWatchdog(unsigned char steps, char) {
+  if (g_device.refuses_expert) return -1;
   g_device.watchdog_steps = steps;
   return 0;
 }

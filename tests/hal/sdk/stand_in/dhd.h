@@ -10,7 +10,11 @@ struct StandIn {
   std::atomic<unsigned> blocks_us{0};
   std::atomic<bool> forces_on{false};
   std::atomic<unsigned> stops{0}, closed{0}, exchanges{0};
-  std::atomic<int> time_guard_us{-1}, watchdog_steps{-1};
+  std::atomic<int> time_guard_us{-1}, watchdog_steps{-1}, serial_asked{-1};
+  std::atomic<int> major{3}, minor{17};
+  std::atomic<bool> says_nothing{false};    // no text where one is due
+  std::atomic<bool> refuses_expert{false};  // expert mode, watchdog, time guard
+  std::atomic<bool> hangs{false};           // a reading, until it is false again
   std::atomic<double> turn_rad{0};
   std::atomic<double> force_N[6]{};
   double position_m[3]{}, speed_m_per_s[3]{};  // of the library's thread alone

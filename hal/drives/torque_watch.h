@@ -1,0 +1,53 @@
+// Does a drive make the torque that it is sent? It tells in its answers; a drive that restarted or timed out may answer
+// as if nothing had happened, without any.
+//
+// An answer may be of a command some periods ago, and the drive filters: what is compared is the least of the last six
+// commands, with and without the drive's own damping. A drive that tells less than a quarter of it, for
+// kPeriods that say something, lacks torque. Commands below kLeastShare of the range say nothing: there current sensors
+// and friction are as large. Thread: [rt], one; constant time. Units: N m, rad/s, of the drive's shaft.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tactus::hal {
+
+class TorqueWatch {
+ public:
+  static constexpr unsigned kPeriods = 10;
+  static constexpr double kLeastShare = 0.02, kTold = 0.25;
+
+  void reset() noexcept { *this = {}; }
+
+  // Once a period: the torque that is commanded now.
+  void sent(double torque_Nm) noexcept {
+    sent_[newest_] = torque_Nm;
+    newest_ = newest_ + 1 < sent_.size() ? newest_ + 1 : 0;
+  }
+
+  // Once in each period with an answer. `damping_Nm`: what the drive's own damping adds at the speed that it tells.
+  // True: it lacks torque.
+  bool lacks(double told_Nm, double damping_Nm, double range_Nm) noexcept {
+    const double expected = least(damping_Nm);
+    if (std::abs(expected) < kLeastShare * range_Nm) return false;
+    periods_ = told_Nm * expected < kTold * expected * expected ? periods_ + 1 : 0;
+    return periods_ >= kPeriods;
+  }
+
+ private:
+  // 0 where the commands, or the damping, differ in sign.
+  double least(double damping_Nm) const noexcept {
+    double low = sent_[0], high = sent_[0];
+    for (const double torque : sent_) {
+      low = std::min({low, torque, torque + damping_Nm});
+      high = std::max({high, torque, torque + damping_Nm});
+    }
+    return low > 0 ? low : std::min(high, 0.0);
+  }
+
+  std::array<double, 6> sent_{};
+  unsigned newest_{0}, periods_{0};
+};
+
+}  // namespace tactus::hal

@@ -1,0 +1,22 @@
+// Do the devices of several hands take the same thing of the machine: an interface, a serial number, a library's only
+// device? Looks at names and descriptions, at no hardware. Thread: normal.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "rt/base/result.h"
+
+namespace tactus::session {
+
+struct NamedDevice {
+  std::string device;  // as --device
+  std::filesystem::path file;
+};
+
+// By hand. `profile_name`: of those without a file. Error, one line: which device, of which hand, and what is accepted.
+// A device or a file that is none is told where it is read, not here.
+Status check_distinct(std::span<const NamedDevice> devices, const std::string& profile_name);
+
+}  // namespace tactus::session
