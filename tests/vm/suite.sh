@@ -28,7 +28,7 @@ guest_programs() { find "$build/tests/vm" -maxdepth 1 -type f -name '*_guest_tes
 build_guest_programs() {
   if [[ -n $build_given ]]; then return; fi
   take_lock
-  build_preset release tactus bench_programs deploy_texts || fail 1 "nothing to run: the build failed"
+  build_preset release tactus bench_programs deploy_files || fail 1 "nothing to run: the build failed"
   exec 9>&-
 }
 
