@@ -159,10 +159,10 @@ print_figures() {
     function cell(link, key) { return (link, key) in value && value[link, key] >= 0 ? value[link, key] : "-" }
     END {
       print "  control periods from the last good command, or from the edge of the e-stop line, to"
-      printf "  %-20s %-6s %8s %8s %8s\n", "fault", "", "USB", "CAN", "CAN FD"
+      printf "  %-22s %-6s %8s %8s %8s\n", "fault", "", "USB", "CAN", "CAN FD"
       for (i = 1; i <= n; i++) {
         split(order[i], part, " ")
-        printf "  %-20s %-6s %8s %8s %8s\n", part[1], part[2], cell("usb", order[i]), cell("can", order[i]), cell("can-fd", order[i])
+        printf "  %-22s %-6s %8s %8s %8s\n", part[1], part[2], cell("usb", order[i]), cell("can", order[i]), cell("can-fd", order[i])
       }
     }' "$figures"
   awk '
