@@ -6,10 +6,11 @@
 //   --priority N   SCHED_FIFO, default 60          --serial TEXT     of the USB device
 //   --hand still   rests at the path's start
 // Commands: NAME N of a LinkFaults member sets it for N frames; `plug`, `unplug`, `halt_states`, `halt_commands`
-// (USB); `buttons N`; `motor-bus 0|1`;
-// `hand restart`; `restart N` ends the device's program for N periods, motors off, and begins it anew, with the serial
-// number that `serial TEXT` gave before; `report` prints the truth so far; `quit`. What happens is told as lines on
-// standard output, see simulated_board.h.
+// (USB); `buttons N`; `motor-bus 0|1`; `jump COUNTS`: of axis 0, for one reading; `told_fault N`: all states tell BRAKE
+// and that fault, until 0; `hand restart`; `restart N` ends the device's program for N periods, motors off, and begins
+// it anew, as `serial TEXT`, `class N`, `period_us N` made it before; `read REGISTER`, `write REGISTER VALUE`, `execute
+// REGISTER VALUE` as another program would, answered by `answered status=N value=N`; `report` prints the truth so far;
+// `quit`. What happens is told as lines on standard output, see simulated_board.h.
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -55,12 +56,24 @@ Options read_options(int argc, char** argv) {
 // What the device's program begins with when it is started anew, and when that is.
 struct Restart {
   firmware::Identity identity;
+  firmware::Config config;
   std::uint64_t off_periods{0};  // until then; 0: it runs
 };
 
+// One request to the registers, given the text behind the operation's name.
+void serve(firmware::Device& device, firmware::Operation operation, const char* text) {
+  firmware::ServiceMessage request;
+  request.operation = operation;
+  char* end = nullptr;
+  request.address = static_cast<std::uint16_t>(std::strtoul(text, &end, 0));
+  request.value = static_cast<std::uint32_t>(std::strtoul(end, nullptr, 0));
+  const firmware::ServiceMessage reply = device.serve(request);
+  std::printf("answered status=%u value=%u\n", static_cast<unsigned>(reply.status), reply.value);
+}
+
 template <class Link>
 bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, SimulatedBoard& board,
-          const firmware::Device& device, Restart& restart) {
+          firmware::Device& device, Restart& restart) {
   const std::size_t space = std::min(line.find(' '), line.size());
   const std::string name = line.substr(0, space);
   const std::uint64_t value = std::strtoull(line.c_str() + space, nullptr, 10);
@@ -78,19 +91,32 @@ bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, Sim
                                                      {"old_commands", &f.old_commands},
                                                      {"broken_followers", &f.broken_followers},
                                                      {"nan_followers", &f.nan_followers},
-                                                     {"babble", &f.babble}};
+                                                     {"babble", &f.babble},
+                                                     {"told_fault", &f.told_fault}};
   if (const auto fault = faults.find(name); fault != faults.end()) {
     *fault->second = value;
   } else if (name == "buttons") {
     board.buttons = static_cast<std::uint8_t>(value);
   } else if (name == "motor-bus") {
     board.motor_bus_ok = value != 0;
+  } else if (name == "jump") {
+    board.jump = static_cast<std::int32_t>(value);
   } else if (name == "hand") {
     board.restart_hand();
   } else if (name == "restart") {
     restart.off_periods = value;
   } else if (name == "serial") {
-    restart.identity = firmware::make_identity(firmware::DeviceClass::kVirtuose6, line.substr(space + 1));
+    restart.identity = firmware::make_identity(restart.identity.device_class, line.substr(space + 1));
+  } else if (name == "class") {
+    restart.identity.device_class = static_cast<firmware::DeviceClass>(value);
+  } else if (name == "period_us") {
+    restart.config.period_us = static_cast<std::uint32_t>(value);
+  } else if (name == "read") {
+    serve(device, firmware::Operation::kRead, line.c_str() + space);
+  } else if (name == "write") {
+    serve(device, firmware::Operation::kWrite, line.c_str() + space);
+  } else if (name == "execute") {
+    serve(device, firmware::Operation::kExecute, line.c_str() + space);
   } else if (name == "report") {
     std::printf(
         "report periods=%llu commands=%llu refused=%u state=%u fault=%u share=%g largest_effort=%g "
@@ -128,7 +154,7 @@ int run(const Options& options, Link& true_link) {
   if (profile == nullptr) fail("the scene's device profile is none");
   const std::uint32_t period_us = 1'000'000 / options.rate_Hz;
   const firmware::Config config = hal::firmware_config(*profile, period_us);
-  Restart restart{firmware::make_identity(firmware::DeviceClass::kVirtuose6, options.serial)};
+  Restart restart{firmware::make_identity(firmware::DeviceClass::kVirtuose6, options.serial), config};
   firmware::Device device(config, restart.identity);
   SimulatedBoard board(*profile, hand_of(scene, options.still), config);
   if (options.stop_line >= 0)
@@ -147,7 +173,7 @@ int run(const Options& options, Link& true_link) {
   for (bool go_on = true; go_on && !stop.load();) {
     pace.wait();
     if (restart.off_periods > 0) {
-      if (--restart.off_periods == 0) device = firmware::Device(config, restart.identity);
+      if (--restart.off_periods == 0) device = firmware::Device(restart.config, restart.identity);
       board.drive({});
     } else {
       firmware::run_period(device, board, link);

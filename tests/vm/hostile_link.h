@@ -21,7 +21,8 @@ struct LinkFaults {
   std::uint64_t idle_commands{0};  // that want FORCE and come as wanting IDLE
   // Commands after which another one follows in the same period: an older one, a broken one, an older one with NaN.
   std::uint64_t old_commands{0}, broken_followers{0}, nan_followers{0};
-  std::uint64_t babble{0};  // periods in which eight frames of rubbish follow the true one
+  std::uint64_t babble{0};      // periods in which eight frames of rubbish follow the true one
+  std::uint64_t told_fault{0};  // not a number of frames: all states tell BRAKE and this fault, until it is 0
 };
 
 template <firmware::DeviceLink Link>
@@ -64,6 +65,7 @@ class HostileLink {
       last_state_size_ = size;
       last_state_ = bytes;
     }
+    if (faults.told_fault != 0) tell_fault(std::span(bytes).first(size));
     if (holds(faults.wild_states)) make_wild(std::span(bytes).first(size));
     if (holds(faults.corrupt_states)) flip_bits(std::span(bytes).first(size));
     if (holds(faults.odd_sizes)) size = random() % (firmware::kMaxFrameSize + 1);
@@ -131,6 +133,16 @@ class HostileLink {
       const std::uint64_t bit = random() % (8 * bytes.size());
       bytes[bit / 8] ^= static_cast<std::byte>(1u << (bit % 8));
     }
+  }
+
+  void tell_fault(std::span<std::byte> bytes) noexcept {
+    firmware::StateFrame frame;
+    if (bytes.size() != firmware::kStateFrameSize ||
+        firmware::decode_state(bytes, frame) != firmware::DecodeError::kNone)
+      return;
+    frame.state = firmware::State::kBrake;
+    frame.fault = static_cast<std::uint16_t>(faults.told_fault);
+    firmware::encode_state(frame, bytes.template first<firmware::kStateFrameSize>());
   }
 
   // Every field wild under a right check; a state number that exists, so that the frame is believed.

@@ -79,12 +79,14 @@ class SimulatedBoard {
   StopLine stop_line;
   std::uint8_t buttons{0};
   bool motor_bus_ok{true};
+  std::int32_t jump{0};  // of axis 0 in the next reading, in counts
 
   void sample(firmware::ControllerInputs& inputs) noexcept {
     began_ns_ = monotonic_ns();
     advance();
     for (unsigned i = 0; i < hal::kAxisCount; ++i)
       inputs.counts[i] = firmware::count_of(plant_.coordinates()[i], quantum_[i]);
+    inputs.counts[0] += std::exchange(jump, 0);
     inputs.time_us = static_cast<std::uint64_t>(began_ns_) / 1000;
     inputs.buttons = buttons;
     inputs.motor_bus_ok = motor_bus_ok;

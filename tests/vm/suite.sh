@@ -28,7 +28,7 @@ guest_programs() { find "$build/tests/vm" -maxdepth 1 -type f -name '*_guest_tes
 build_guest_programs() {
   if [[ -n $build_given ]]; then return; fi
   take_lock
-  build_preset release tactus bench_programs deploy_texts || fail 1 "nothing to run: the build failed"
+  build_preset release tactus bench_programs deploy_files || fail 1 "nothing to run: the build failed"
   exec 9>&-
 }
 
@@ -159,10 +159,10 @@ print_figures() {
     function cell(link, key) { return (link, key) in value && value[link, key] >= 0 ? value[link, key] : "-" }
     END {
       print "  control periods from the last good command, or from the edge of the e-stop line, to"
-      printf "  %-20s %-6s %8s %8s %8s\n", "fault", "", "USB", "CAN", "CAN FD"
+      printf "  %-22s %-6s %8s %8s %8s\n", "fault", "", "USB", "CAN", "CAN FD"
       for (i = 1; i <= n; i++) {
         split(order[i], part, " ")
-        printf "  %-20s %-6s %8s %8s %8s\n", part[1], part[2], cell("usb", order[i]), cell("can", order[i]), cell("can-fd", order[i])
+        printf "  %-22s %-6s %8s %8s %8s\n", part[1], part[2], cell("usb", order[i]), cell("can", order[i]), cell("can-fd", order[i])
       }
     }' "$figures"
   awk '

@@ -76,6 +76,11 @@ told() { [ "$(grep -c '^done' $BENCH_LOG)" -gt "$done_before" ]; }
 # The device's truth now, into $line.
 report() { tell report && line=$(awk '/^report/ { last = $0 } END { print last }' $BENCH_LOG); }
 
+# as_another read|write|execute REGISTER [VALUE]: the device's answer, as another program would have it, into $line.
+as_another() {
+  tell "$*" && line=$(awk '/^answered/ { last = $0 } END { print last }' $BENCH_LOG) && [ "$(value status)" = 0 ]
+}
+
 e_stop() { case $1 in on) echo pull-up ;; off) echo pull-down ;; esac >$gpio/sim_gpio3/pull; }
 
 # The cable of $link: out or in.
@@ -112,6 +117,21 @@ force_or_death() { said '^force' || ! host_lives; }
 pushes_now() { [ "$(value state)" = 2 ] && [ "$(value share)" != 0 ]; }
 # under_force NAME: the precondition of every fault.
 under_force() { in_force || { not_ok "$1" "no force before the fault: $(tail -n 1 "$host_log")"; return 1; }; }
+
+# presses: until the motors give a twentieth of their limit, twenty seconds at the most. The largest step of their
+# efforts on the way is in $rise, in shares of the limit.
+presses() {
+  rise=0 tries=100
+  while [ $tries -gt 0 ]; do
+    report
+    rise=$(awk -v a="$rise" -v b="$(value largest_rise)" 'BEGIN { print (a > b ? a : b) }')
+    awk -v share="$(value share)" 'BEGIN { exit !(share >= 0.05) }' && return 0
+    host_lives || return 1
+    tries=$((tries - 1))
+    sleep 0.2
+  done
+  return 1
+}
 
 # zero_within BENCH NAME KEY LIMIT: since the mark the bench's motors got no force any more, KEY (after, silent) periods
 # later.

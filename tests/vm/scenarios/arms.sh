@@ -77,14 +77,21 @@ a_fault no-command no-command all 30 11
 a_fault foreign-id foreign-id 1 30 11
 a_fault undefined-id undefined-id 1 30 11
 a_fault short-frame short 1 30 11
-# No drive echoes a number: answers that all come two periods late look like others after a gap of two.
-for fault in twice late; do
+# The field of an MIT frame wraps: the answer of the next period, and ten samples that are refused.
+if [ "$link" = can ]; then
+  a_fault wrapped wrapped 1 30 12
+  grep -q 'FAULT at.*\(moved faster than it can\|outside its workspace\)' "$host_log"
+  verdict "drives: wrapped: in words" "$(tail -n 3 "$host_log")"
+fi
+# No drive echoes a number: answers that all come two periods late look like others after a gap of two. The speed comes
+# from the positions, so that a speed field at its end changes nothing.
+for fault in twice late speed; do
   if under_force $fault; then
     mark
     tell "fault $fault all 100"
     sleep 0.2
     ! said '^zero' && host_lives
-    verdict "drives: answers come $fault: the force stays" "$line"
+    verdict "drives: $fault: the force stays" "$line"
   fi
 done
 if under_force bus-off; then
@@ -130,3 +137,39 @@ report
 verdict "drives: SIGINT leaves them disabled" "$line"
 cp "$host_log" "/out/host-drives-$link.log"
 stop_drives faults
+
+# --- point arms of the families whose frames are neither MIT's nor moteus': described by the program, then the ways in
+# which force ends
+[ "$link" = can ] || exit 0
+# The coupling that these carry without damping in the drive, and contacts that 800 Hz resolve.
+awk '/^\[coupling\]/ { here = 1 } /^\[/ && !/^\[coupling\]/ { here = 0 }
+  here && /^stiffness_N_per_m/ { $0 = "stiffness_N_per_m = 200" } here && /^damping_Ns_per_m/ { $0 = "damping_Ns_per_m = 0.22" }
+  { print } /^\[simulation\]/ { print "contact_hertz_Hz = 200" }' /bench/press.toml >/tmp/soft.toml
+# arm_of FAMILY BUSES RATE TOLD [OPTION...]: BUSES at host and drives; RATE in Hz, as far as one bus goes; TOLD: periods
+# until a drive has told that it is out; OPTION of the description.
+arm_of() {
+  family=$1 rate=$3 told=$4 host=drives:${2%:*} at_drives=${2#*:}
+  shift 4
+  file=/tmp/$family.toml
+  tactus device new --kind point_arm --family "$family" --rate "$rate" "$@" --overwrite --out "$file" >/tmp/new 2>&1
+  verdict "$family: the description is written" "$(tail -n 1 /tmp/new)"
+  start_drives /tmp/soft.toml --rate "$rate" || return
+  start_host /tmp/soft.toml --device-file "$file" --rate "$rate" --rearm
+  under_force force && ok "$family: the hand feels the floor"
+  for fault in fault-flag:1:$told disabled:1:$told no-answer:1:11 no-command:all:11 short:1:11; do
+    kind=${fault%%:*} most=${fault##*:} axis=${fault#*:}
+    fault_under_force "$family" "$kind" "$most" "fault $kind ${axis%:*} 30"
+  done
+  if under_force host-killed; then
+    mark
+    kill -9 "$host_process"
+    zero_within "$family" host-killed silent 10
+  fi
+  cp "$host_log" "/out/host-$family.log"
+  stop_drives "$family"
+}
+arm_of robstride can0:can1 800 3
+# Three ODrives send their positions and heartbeats in the same moment; the emulated bus takes no time, so that a
+# controller's few buffers are full before the kernel looks. vcan has no such buffers. An ODrive tells
+# that it is out in its heartbeat alone, every 100 ms.
+arm_of odrive vcan0:vcan0 1000 102 --peak-force 5

@@ -87,13 +87,35 @@ start_host /tmp/press.toml --rearm
 under_force force && ok "falcon: the hand feels the floor"
 fault_under_force falcon homing-lost 20 'homed 3'
 tell 'homed 7'
-if under_force garbage; then
+for fault in garbage twice; do
+  if under_force $fault; then
+    mark
+    tell "$fault 1"
+    sleep 0.3
+    ! said '^zero' && host_lives
+    verdict "falcon: $fault: packets with bytes between them, or two for one: the force stays" "$line"
+    tell "$fault 0"
+  fi
+done
+# again NAME: it answers again, and there is force.
+again() {
+  in_force
+  verdict "falcon: $1: force again after the re-arm" "$(tail -n 1 "$host_log")"
+}
+fault_under_force falcon cut 20 'cut 1'
+tell 'cut 0'
+again cut
+# A device that hears nothing keeps its last force: the fault is told, and the first packet that it hears is zero.
+if under_force mute; then
+  faults=$(grep -c 'FAULT at' "$host_log")
+  tell 'mute 1'
+  sleep 0.5
+  [ "$(grep -c 'FAULT at' "$host_log")" -gt "$faults" ] && host_lives
+  verdict "falcon: mute: a fault in words" "$(tail -n 1 "$host_log")"
   mark
-  tell 'garbage 1'
-  sleep 0.3
-  ! said '^zero'
-  verdict "falcon: bytes between the packets: the force stays" "$line"
-  tell 'garbage 0'
+  tell 'mute 0'
+  zero_within falcon mute-ends after 10
+  again mute
 fi
 if under_force unplugged; then
   mark

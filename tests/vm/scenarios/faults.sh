@@ -2,7 +2,15 @@
 # the device's motors did, in control periods.
 . /bench/lib.sh
 start_device /bench/press.toml || exit
-start_host /bench/press.toml --rearm
+socket=/tmp/faults.sock
+start_host /bench/press.toml --rearm --control $socket
+
+last_lines() { tail -n 3 "$host_log" | tr '\r\n' '  ' | cut -c1-300; }
+# in_words NAME WORDS: the fault's line says what it is and what to do.
+in_words() {
+  wait_for grep -q "FAULT at.*$2" "$host_log"
+  verdict "$1: in words" "$(last_lines)"
+}
 
 # brakes NAME FADE: since the mark the device faded (FADE, or - where it brakes at once) and braked at 10 missed.
 brakes() {
@@ -16,6 +24,20 @@ brakes() {
 }
 
 under_force force && ok "the hand feels the floor"
+
+if presses; then
+  before=$(value share)
+  mark
+  answer=$(tactus control rearm --socket $socket 2>&1)
+  sleep 0.2
+  ! said '^zero' && ! said '^fade' && ! said '^state FORCE' && report &&
+    awk -v now="$(value share)" -v before="$before" 'BEGIN { exit !(now >= 0.5 * before) }'
+  verdict "re-arm with nothing latched: the force stays" "share $before before; $line"
+  [ "$answer" = 'nothing is latched: nothing was done' ]
+  verdict "re-arm with nothing latched: is told" "$answer"
+else
+  not_ok 're-arm with nothing latched' "no force before: $(last_lines)"
+fi
 
 if under_force e-stop; then
   mark
@@ -37,10 +59,28 @@ if under_force motor-bus; then
   tell 'motor-bus 0'
   await '^state FORCE BRAKE' && figure motor-bus zero 1
   verdict "motor supply fails: brakes" "it never braked"
+  in_words "motor supply fails" "device fault 5: the motors' supply failed; restore it"
   tell 'motor-bus 1'
 fi
 
-if under_force few-lost; then
+if under_force overspeed; then
+  mark
+  tell 'jump 100000'
+  await '^state FORCE BRAKE fault=3'
+  verdict "an encoder that jumps: brakes" "$(last_lines)"
+  in_words overspeed "device fault 3: an axis moved faster than its max_speed.*re-arm"
+fi
+
+if under_force unknown; then
+  mark
+  tell 'told_fault 63'
+  await '^state FORCE BRAKE'
+  verdict "a fault number that nobody knows: braked by the host" "$(last_lines)"
+  in_words "an unknown fault" "device fault 63: this program does not know it; see the device's manual"
+  tell 'told_fault 0'
+fi
+
+if presses; then
   mark
   tell 'lost_commands 5'
   sleep 0.2
@@ -48,6 +88,11 @@ if under_force few-lost; then
   fade=$(value missed)
   ! said '^state FORCE BRAKE' && [ "$fade" = 3 ]
   verdict "five commands lost: fades and recovers" "$line"
+  report
+  awk -v share="$(value share)" -v rise="$(value largest_rise)" 'BEGIN { exit !(share >= 0.04 && rise <= 0.01) }'
+  verdict "five commands lost: the force comes in again by the ramp, without a step" "$line"
+else
+  not_ok few-lost "no force before: $(last_lines)"
 fi
 
 # follows COMMAND WHAT: after each good command, in the same period, one that must not be obeyed.
@@ -75,6 +120,10 @@ if under_force unplugged; then
   cable out
   brakes unplugged
   sleep 0.5
+  answer=$(tactus control rearm --socket $socket 2>&1)
+  sleep 0.2
+  tactus control state --socket $socket --json 2>&1 | grep -q '"fault":[1-9]' && echo "$answer" | grep -q 'if the device is the same'
+  verdict "unplugged: a re-arm takes no fault back" "$answer"
   cable in
   in_force
   verdict "unplugged: goes on when it is back, after the re-arm" "no force again; $(tail -n 1 "$host_log")"
