@@ -2,9 +2,10 @@
 // as if nothing had happened, without any.
 //
 // An answer may be of a command some periods ago, and the drive filters: what is compared is the least of the last six
-// commands, with and without the drive's own damping. A drive that tells less than a quarter of it, for
-// kPeriods that say something, lacks torque. Commands below kLeastShare of the range say nothing: there current sensors
-// and friction are as large. Thread: [rt], one; constant time. Units: N m, rad/s, of the drive's shaft.
+// commands, with and without the drive's own damping. A drive that tells less than a quarter of it, in the mean over
+// kPeriods or more, lacks torque: over as many as make the square of kSureShare of the range in kPeriods. Commands
+// below kLeastShare of the range say nothing: there the offsets of current sensors may be as large. Thread: [rt], one;
+// constant time. Units: N m, rad/s, of the drive's shaft.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace tactus::hal {
 class TorqueWatch {
  public:
   static constexpr unsigned kPeriods = 10;
-  static constexpr double kLeastShare = 0.02, kTold = 0.25;
+  static constexpr double kLeastShare = 0.01, kSureShare = 0.02, kTold = 0.25;
 
   void reset() noexcept { *this = {}; }
 
@@ -31,8 +32,15 @@ class TorqueWatch {
   bool lacks(double told_Nm, double damping_Nm, double range_Nm) noexcept {
     const double expected = least(damping_Nm);
     if (std::abs(expected) < kLeastShare * range_Nm) return false;
-    periods_ = told_Nm * expected < kTold * expected * expected ? periods_ + 1 : 0;
-    return periods_ >= kPeriods;
+    ++periods_;
+    told_ += told_Nm * expected;
+    expected_ += expected * expected;
+    const double sure_Nm = kSureShare * range_Nm;
+    if (periods_ < kPeriods || expected_ < kPeriods * sure_Nm * sure_Nm) return false;
+    const bool lacking = told_ < kTold * expected_;
+    periods_ = 0;
+    told_ = expected_ = 0;
+    return lacking;
   }
 
  private:
@@ -48,6 +56,7 @@ class TorqueWatch {
 
   std::array<double, 6> sent_{};
   unsigned newest_{0}, periods_{0};
+  double told_{0}, expected_{0};  // sums of told times expected, and of expected squared
 };
 
 }  // namespace tactus::hal

@@ -326,7 +326,7 @@ TEST_CASE(
     bench.want(DeviceState::kForce, 20);
     REQUIRE(bench.force_N() > 1.9);
     bench.inject(DriveFaultKind::kRestarted);
-    bench.ticks(15);
+    bench.ticks(25);  // a window that had begun, and the next
     CHECK(bench.input.sample.state == DeviceState::kBrake);
     CHECK(bench.input.sample.device_fault == kDriveLacksTorque + 1);
     CHECK_THAT(describe_drive_fault(bench.input.sample.device_fault),

@@ -11,7 +11,8 @@ namespace {
 
 // Below what the check allows: a description has more digits than the text of the scene.
 constexpr double kOfSuggested = 0.95;
-constexpr double kPressed_N = 1;          // by the hand into the floor, or less where the device cannot for long
+constexpr unsigned kContact_Hz = 250;     // or a quarter of the rate, which the usual sub-steps resolve
+constexpr double kPressed_N = 3;          // by the hand into the floor, or less where the device cannot for long
 constexpr double kPressedOfRadius = 0.2;  // and no deeper than this share of the workspace's radius
 
 haptics::CouplingGains gains_of(const hal::DeviceProfile& profile, unsigned rate_Hz) {
@@ -27,15 +28,16 @@ std::string scene_text(const hal::DeviceProfile& profile, unsigned rate_Hz) {
   const haptics::CouplingGains gains = gains_of(profile, rate_Hz);
   const double radius_m = profile.description.workspace_radius_m, proxy_m = std::min(0.01, 0.1 * radius_m);
   const double stiffness = kOfSuggested * gains.stiffness_N_per_m;
-  const double press_N = std::min(kPressed_N, 0.3 * profile.description.continuous_force_N);
+  const double press_N = std::min(kPressed_N, 0.7 * profile.description.continuous_force_N);
   // Where the hand begins, at the workspace's centre, the proxy is a quarter of the radius above the floor.
   const double centre_m = proxy_m + 0.25 * radius_m;
   const double pressed_m = proxy_m - std::min(press_N / stiffness, kPressedOfRadius * radius_m);
   const double box_m = 0.2 * radius_m, aside_m = 0.3 * radius_m;
   std::string text = fmt::format(
       "# Written by `tactus device new`: a floor and a box, with gains that {} bears at {} Hz.\n"
-      "title = \"Try {}\"\neffects = [\"gravity\", \"friction\"]\n\n[simulation]\nratio = 4\nmembers = 8\n\n",
-      profile.name, rate_Hz, profile.name);
+      "title = \"Try {}\"\neffects = [\"gravity\", \"friction\"]\n\n[simulation]\nratio = 2\nmembers = 8\n"
+      "contact_hertz_Hz = {}\n\n",
+      profile.name, rate_Hz, profile.name, std::min(kContact_Hz, rate_Hz / 4));
   text += fmt::format(
       "[device]\nprofile = \"{}\"  # --device-file has the place of it\nposition_m = [0, 0, {:.4g}]\n\n"
       "[coupling]\nstiffness_N_per_m = {:.4g}\ndamping_Ns_per_m = {:.4g}\n",

@@ -57,7 +57,7 @@ bool answer(const std::string& question, double& value) {
 // A choice that is none is said and asked for again.
 bool answer(const NewDescription& d, const std::string& question, std::string& value,
             Status (*check)(const NewDescription&)) {
-  for (;;) {
+  for (const std::string offered = value;; value = offered) {
     if (!answer(question, value)) return false;
     const Status status = check(d);
     if (status.ok()) return true;

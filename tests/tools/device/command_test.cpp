@@ -76,7 +76,7 @@ TEST_CASE("device new: options make a description that is checked, and no file i
   CHECK(run("new --kind point_arm --family damiao" + out).exit_code == 2);  // the scene is there
   const CommandOutput made = run("new --kind point_arm --family damiao --radius 0.12 --overwrite" + out);
   CHECK(made.exit_code == 0);
-  CHECK_THAT(made.out, Contains("bus can0: 81 % loaded at 1000 Hz") && Contains("is written"));
+  CHECK_THAT(made.out, Contains("bus can0: 81 % loaded at 1000 Hz") && Contains("my_arm_scene.toml are written"));
   const auto description = hal::load_device_file(file);
   REQUIRE(description.ok());
   CHECK(description.value().description.workspace_radius_m == 0.12);
@@ -118,7 +118,7 @@ TEST_CASE("device new: what it writes for each kind on each family runs by the c
       REQUIRE(ran.exit_code == 0);
       const auto summary = nlohmann::json::parse(ran.out.substr(ran.out.find('{')));
       CHECK(summary["verdict"] != "bad");
-      CHECK(summary["force_max_N"] > 0.05);  // the floor is felt
+      CHECK(summary["hand"]["force_max_N"] > 0.05);  // the floor is felt
     }
 }
 
@@ -134,7 +134,7 @@ TEST_CASE("device new --ask: Enter throughout makes a file, and a mistake is ask
   // a family that is none, one bus twice, then a torque beyond the drives: said, and the rest is kept
   const CommandOutput mended = run("new --ask --overwrite --peak-torque 0.5" + out,
                                    "wristed_arm\nvesc\nodrive\ncan3,can3\ncan3,can4\n0.4\n\n\n900" +
-                                       std::string(8, '\n') + std::string(6, '\n') + "5" + std::string(30, '\n'));
+                                       std::string(9, '\n') + std::string(6, '\n') + "5" + std::string(30, '\n'));
   INFO(mended.out);
   CHECK(mended.exit_code == 0);
   CHECK_THAT(mended.out, Contains("'vesc' is none") && Contains("names one bus twice") && Contains("Once more") &&
