@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <thread>
+#include <vector>
 
 #include "hal/device_words.h"
 #include "rt/base/clock.h"
@@ -84,7 +85,9 @@ Result<std::unique_ptr<SdkDevice>> SdkDevice::start(std::unique_ptr<SdkPort> por
 }
 
 SdkDevice::~SdkDevice() {
-  if (!worker_->end(kLastCall_ns)) (void)worker_.release();  // its thread is in it
+  // A worker whose thread is in a call that does not return is kept until the process ends.
+  static auto* const abandoned = new std::vector<std::unique_ptr<SdkWorker>>;
+  if (!worker_->end(kLastCall_ns)) abandoned->push_back(std::move(worker_));
 }
 
 Status SdkWorker::run_trials() {
