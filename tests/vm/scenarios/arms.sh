@@ -168,7 +168,7 @@ arm_of() {
   cp "$host_log" "/out/host-$family.log"
   stop_drives "$family"
 }
-arm_of robstride can0:can1 800 3
+arm_of robstride can0:can1 800 3 --buses can0
 # Three ODrives send their positions and heartbeats in the same moment; the emulated bus takes no time, so that a
 # controller's few buffers are full before the kernel looks. vcan has no such buffers. An ODrive tells
 # that it is out in its heartbeat alone, every 100 ms.
