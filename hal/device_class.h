@@ -84,20 +84,24 @@ std::string accepted_devices();
 // A line for each class, for help: what --device accepts and what device that is.
 std::string described_devices();
 
-// "sim, drives-sim, falcon-sim or example": the names of those without hardware, which may run in virtual time.
-std::string simulated_devices();
-// The names of those that a description describes.
-std::string described_by_files();
-
 struct DeviceChoice {
   const DeviceClass* device_class{nullptr};
   std::string address;
 };
 
+// What is wrong with NAME[:ADDRESS], beside accepted_devices(); empty: nothing.
+std::string device_mistake(const std::string& text);
 // Splits NAME[:ADDRESS] and checks both. Error, one line: what was given and what is accepted.
 Result<DeviceChoice> choose_device(const std::string& text);
 
+// Of a device that --device names `text`. Error, one line: it does not run in virtual time; a description of it has no
+// effect.
+Status check_virtual_time(const DeviceClass& device_class, const std::string& text);
+Status check_described(const DeviceClass& device_class, const std::string& text);
+
 // The check_address of classes without an address.
 Status check_no_address(std::string_view address);
+// The `takes` of classes whose devices cannot be told apart: one for a program.
+std::vector<std::string> takes_the_only_one(std::string_view address, const DeviceDescription& description);
 
 }  // namespace tactus::hal

@@ -70,9 +70,6 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
   return OpenedDevice{std::make_unique<AnyDevice>(std::move(device).value()), std::move(identity), {}};
 }
 
-// Falcons have no serial number: which of two is opened cannot be chosen.
-std::vector<std::string> takes(std::string_view, const DeviceDescription&) { return {{}}; }
-
 double simulated_gain_of(std::string_view address) {
   double gain = kFalconGain;
   return address.empty() || !parse_gain(address, gain).ok() ? kFalconGain : gain;
@@ -101,7 +98,7 @@ const DeviceClass falcon_class{.name = "falcon",
                                .real = true,
                                .check_address = check_address,
                                .open = open,
-                               .takes = takes,
+                               .takes = takes_the_only_one,
                                .each_its_own = "one Falcon, which has no serial number to choose by, or falcon-sim",
                                .describes_itself = true,
                                .force_gain = gain_of,

@@ -41,8 +41,6 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
   return OpenedDevice{std::make_unique<AnyDevice>(std::move(device).value()), std::move(identity), {}};
 }
 
-std::vector<std::string> takes(std::string_view, const DeviceDescription&) { return {{}}; }  // one for a program
-
 }  // namespace
 
 extern const DeviceClass openhaptics_class;
@@ -52,7 +50,7 @@ const DeviceClass openhaptics_class{.name = "openhaptics",
                                     .real = true,
                                     .check_address = check_address,
                                     .open = open,
-                                    .takes = takes,
+                                    .takes = takes_the_only_one,
                                     .each_its_own = "one device of this library for a program",
                                     .describes_itself = true,
                                     .look = look};

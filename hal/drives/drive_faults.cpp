@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "hal/drives/odrive_codec.h"
 #include "hal/kinematics/tool_kinematics.h"
 
 namespace tactus::hal {
@@ -25,7 +26,8 @@ constexpr CodeWords kCubeMars[] = {{1, "too hot"},       {2, "over-current"}, {3
                                    {4, "under-voltage"}, {5, "encoder"},      {6, "phase unbalance"}};
 constexpr CodeWords kRobStride[] = {{1, "under-voltage"}, {2, "over-current"},     {4, "too hot"},
                                     {8, "encoder"},       {0x10, "stall or Hall"}, {0x20, "not calibrated"}};
-constexpr CodeWords kOdrive[] = {{0x800, "its watchdog, with firmware 0.5"}, {1u << 24, "its watchdog, with 0.6"}};
+constexpr CodeWords kOdrive[] = {{kOdriveWatchdog05, "its watchdog, with firmware 0.5"},
+                                 {kOdriveWatchdog06, "its watchdog, with 0.6"}};
 
 struct FamilyCodes {
   std::string_view what;

@@ -304,7 +304,7 @@ Status provoke_odrive_watchdog(Talk& talk) {
     return talk.error(
         "its watchdog is off, or longer than 15 ms; with the maker's tool: axis.config.watchdog_timeout = 0.01, "
         "axis.config.enable_watchdog = True, and save");
-  if ((answer.fault & kOdriveWatchdogErrors) != 0) return Status::good();
+  if ((answer.fault & (kOdriveWatchdog05 | kOdriveWatchdog06)) != 0) return Status::good();
   return answer.fault == 0 ? talk.error("left closed loop without its watchdog's error; look it up in its manual")
                            : talk.reports(answer.fault, "its watchdog was to act; look it up in its manual");
 }

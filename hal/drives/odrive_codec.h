@@ -21,8 +21,8 @@ enum class OdriveCommand : std::uint32_t {
   kClearErrors = 0x18,
 };
 
-// What a heartbeat says after the watchdog has acted: firmware 0.5, 0.6.
-inline constexpr std::uint32_t kOdriveWatchdogErrors = 0x800u | 1u << 24;
+// What a heartbeat says after the watchdog has acted, with firmware 0.5 and 0.6.
+inline constexpr std::uint32_t kOdriveWatchdog05 = 0x800, kOdriveWatchdog06 = 1u << 24;
 
 DriveFrame odrive_torque_mode(unsigned node) noexcept;
 // True if `frame` is a heartbeat of this node.

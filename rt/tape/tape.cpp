@@ -15,10 +15,8 @@
 namespace tactus::loop {
 namespace {
 
-constexpr std::array<char, 8> kMagic{'T', 'A', 'C', 'T', 'A', 'P', 'E', '\0'};
-
 struct HeaderStart {
-  std::array<char, 8> magic{kMagic};
+  std::array<char, 8> magic{kTapeMagic};
   std::uint32_t version{kTapeVersion};
   std::uint32_t text_size{0};
   std::array<char, 24> isa_tag{};
@@ -78,10 +76,10 @@ bool is_other_file(const std::string& path) {
   if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return false;
-  std::array<char, kMagic.size()> found{};
+  std::array<char, kTapeMagic.size()> found{};
   const ssize_t size = ::read(file, found.data(), found.size());
   ::close(file);
-  return size > 0 && !std::equal(found.begin(), found.begin() + size, kMagic.begin());
+  return size > 0 && !std::equal(found.begin(), found.begin() + size, kTapeMagic.begin());
 }
 
 // Locks a regular file until it is closed, and empties it. False: another writer has it. A file system without locks
@@ -206,9 +204,9 @@ Status TapeReader::read_header() {
   start.magic = {};
   const std::size_t got = read_up_to(&start, sizeof start);
   if (std::ferror(file_) != 0) return Status::error(named(path_) + "cannot be read: is it a file?");
-  const std::size_t magic_size = std::min(got, kMagic.size());
-  if (got == 0 ||
-      !std::equal(kMagic.begin(), kMagic.begin() + static_cast<std::ptrdiff_t>(magic_size), start.magic.begin())) {
+  const std::size_t magic_size = std::min(got, kTapeMagic.size());
+  if (got == 0 || !std::equal(kTapeMagic.begin(), kTapeMagic.begin() + static_cast<std::ptrdiff_t>(magic_size),
+                              start.magic.begin())) {
     return Status::error(named(path_) + "is not a tape: it does not begin as one");
   }
   if (got < sizeof start) return cut_off_in_header();

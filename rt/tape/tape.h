@@ -11,6 +11,7 @@
 // rejected.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -28,6 +29,7 @@ namespace tactus::loop {
 
 static_assert(std::endian::native == std::endian::little, "the tape's numbers are written as they are in memory");
 
+inline constexpr std::array<char, 8> kTapeMagic{'T', 'A', 'C', 'T', 'A', 'P', 'E', '\0'};
 inline constexpr std::uint32_t kTapeVersion = 16;           // 16: border contacts of balls and caps
 inline constexpr std::uint32_t kMaxTapeRecord = 64u << 20;  // bytes of payload
 inline constexpr std::uint32_t kMaxTapeText = 8u << 20;     // bytes: a scene with its meshes, and settings
@@ -42,7 +44,7 @@ std::string_view tape_isa_tag() noexcept;
 
 class TapeWriter {
  public:
-  // Replaces an existing file.
+  // Replaces a tape, or an empty file. Error: it cannot be written, another run writes it, or it is no tape.
   static Result<std::unique_ptr<TapeWriter>> create(const std::string& path, std::string_view text);
   ~TapeWriter();
   TapeWriter(const TapeWriter&) = delete;

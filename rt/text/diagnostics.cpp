@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "rt/text/without_control.h"
+
 namespace tactus::text {
 namespace {
 
@@ -18,11 +20,9 @@ std::string lines_of(const std::string& name, std::vector<Mistake> list, const c
   std::string text;
   for (const Mistake& m : list) {
     const std::string place = m.line == 0 ? "" : fmt::format(":{}:{}", m.line, m.column);
-    std::string line = fmt::format("{}{}: {}{}: {}; accepted: {}", name, place, label, m.where, m.what, m.accepted);
-    // Control characters in keys and file names are replaced, so that each message is one line.
-    std::replace_if(
-        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
-    text += (text.empty() ? "" : "\n") + line;
+    const std::string line =
+        fmt::format("{}{}: {}{}: {}; accepted: {}", name, place, label, m.where, m.what, m.accepted);
+    text += (text.empty() ? "" : "\n") + without_control(line);  // each message is one line
   }
   return text;
 }

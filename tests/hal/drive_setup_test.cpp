@@ -9,6 +9,26 @@ using namespace tactus::hal;
 using namespace tactus::test;
 using Catch::Matchers::Contains;
 
+namespace {
+
+// Three simulated drives of a family, asked as before a run.
+struct PreparedDrives {
+  DeviceDescription described;
+  SimulatedDrives world{drive_profile(described), HandModel(), kDrivePeriod_ns};
+  DriveBuses buses{world.make_buses()};
+  std::vector<std::string> identities;
+
+  explicit PreparedDrives(DriveFamily family) : described(point_arm_of(family)) {
+    auto prepared = prepare_drives(described.drives, buses);
+    REQUIRE(prepared.ok());
+    identities = std::move(prepared).value();
+  }
+  // As before a re-arm.
+  Status compare() { return compare_drives(described.drives, buses, identities); }
+};
+
+}  // namespace
+
 TEST_CASE("drives: preparing refuses what does not fit the description, by axis, with what to do") {
   const auto refusal = [](DeviceDescription described, const DeviceDescription& real) {
     // The arm is opened with one description, its drives are made after another.
@@ -50,14 +70,10 @@ TEST_CASE("drives: one without a working watchdog is refused, where that can be 
 TEST_CASE("drives: a drive that restarted has lost its watchdog, and is found out before force comes back") {
   for (const DriveFamily family : {DriveFamily::kDamiao, DriveFamily::kRobStride}) {
     CAPTURE(codec_of(family).name);
-    const DeviceDescription d = point_arm_of(family);
-    SimulatedDrives world(drive_profile(d), HandModel(), kDrivePeriod_ns);
-    const DriveBuses buses = world.make_buses();
-    const auto prepared = prepare_drives(d.drives, buses);
-    REQUIRE(prepared.ok());
-    CHECK(compare_drives(d.drives, buses, prepared.value()).ok());
-    world.drive(1).restart();
-    const Status compared = compare_drives(d.drives, buses, prepared.value());
+    PreparedDrives drives(family);
+    CHECK(drives.compare().ok());
+    drives.world.drive(1).restart();
+    const Status compared = drives.compare();
     REQUIRE_FALSE(compared.ok());
     CHECK_THAT(compared.message(), Contains("axis 1") && Contains("start again"));
   }
@@ -66,13 +82,9 @@ TEST_CASE("drives: a drive that restarted has lost its watchdog, and is found ou
 TEST_CASE("drives: another drive in the place of one is found out before force comes back, by its serial number") {
   for (const DriveFamily family : {DriveFamily::kRobStride, DriveFamily::kMoteus}) {
     CAPTURE(codec_of(family).name);
-    const DeviceDescription d = point_arm_of(family);
-    SimulatedDrives world(drive_profile(d), HandModel(), kDrivePeriod_ns);
-    const DriveBuses buses = world.make_buses();
-    const auto prepared = prepare_drives(d.drives, buses);
-    REQUIRE(prepared.ok());
-    world.drive(2).set_serial(0x1234);
-    const Status compared = compare_drives(d.drives, buses, prepared.value());
+    PreparedDrives drives(family);
+    drives.world.drive(2).set_serial(0x1234);
+    const Status compared = drives.compare();
     REQUIRE_FALSE(compared.ok());
     CHECK_THAT(compared.message(), Contains("axis 2 (drive 3)") && Contains("00001234") && Contains("abcd0000") &&
                                        Contains("this run began with"));

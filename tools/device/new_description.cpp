@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "hal/can/can_interface.h"
 #include "hal/drives/bus_load.h"
+#include "hal/drives/drive_check.h"
 #include "hal/profiles.h"
 #include "rt/text/split.h"
 
@@ -156,9 +156,8 @@ Status check_buses(const NewDescription& d) {
   if (d.buses.find_first_of("\"\\\n") != std::string::npos) return refuse("has quotes");
   const std::vector<std::string> buses = text::split(d.buses, ',');
   if (buses.size() > hal::kMaxBuses) return refuse(fmt::format("names {} of them", buses.size()));
-  for (const std::string& bus : buses)
-    if (const Status status = hal::check_can_name(bus); !status.ok()) return refuse(status.message());
-  return buses.size() == 2 && buses[0] == buses[1] ? refuse("names one bus twice") : Status::good();
+  const Status status = hal::check_bus_names(buses);
+  return status.ok() ? status : refuse(status.message());
 }
 
 Status check_choices(const NewDescription& d) {

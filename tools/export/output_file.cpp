@@ -11,6 +11,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "rt/tape/tape.h"
+
 namespace tactus::exporting {
 namespace {
 
@@ -22,7 +24,7 @@ struct Kind {
 Kind kind_of(OutputKind kind) {
   switch (kind) {
     case OutputKind::kTape:
-      return {"tape", {"TACTAPE"}};
+      return {"tape", {std::string_view(loop::kTapeMagic.data(), loop::kTapeMagic.size() - 1)}};
     case OutputKind::kCsv:
       return {"CSV table", {}};
     case OutputKind::kHdf5:
@@ -54,12 +56,22 @@ bool begins_as(const Kind& kind, std::string_view text) {
                      [&](std::string_view beginning) { return !beginning.empty() && text.starts_with(beginning); });
 }
 
+Status check_no_folder(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(path, ignored)) return Status::good();
+  return Status::error(fmt::format("{}: is a folder; accepted: a file", path));
+}
+
+Status cannot_be_made(const std::string& path, int error) {
+  return Status::error(
+      fmt::format("{}: cannot be written: {}; accepted: a file in a folder that exists", path, strerrordesc_np(error)));
+}
+
 }  // namespace
 
 Status check_output(const std::string& path, bool overwrite) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    return Status::error(fmt::format("{}: is a folder; accepted: a file", path));
+  if (const Status status = check_no_folder(path); !status.ok()) return status;
   if (!overwrite && std::filesystem::is_regular_file(path, ignored))
     return Status::error(fmt::format("{}: exists; accepted: another name, or --overwrite", path));
   return Status::good();
@@ -67,13 +79,10 @@ Status check_output(const std::string& path, bool overwrite) {
 
 Status check_replaced(const std::string& path, OutputKind kind) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    return Status::error(fmt::format("{}: is a folder; accepted: a file", path));
+  if (const Status status = check_no_folder(path); !status.ok()) return status;
   if (!std::filesystem::exists(path, ignored)) {
     const std::string folder = std::filesystem::path(path).parent_path().string();
-    if (::access(folder.empty() ? "." : folder.c_str(), W_OK) == 0) return Status::good();
-    return Status::error(fmt::format("{}: cannot be written: {}; accepted: a file in a folder that exists", path,
-                                     strerrordesc_np(errno)));
+    return ::access(folder.empty() ? "." : folder.c_str(), W_OK) == 0 ? Status::good() : cannot_be_made(path, errno);
   }
   if (::access(path.c_str(), W_OK) != 0)
     return Status::error(
@@ -96,9 +105,7 @@ void remove_output(const std::string& path) {
 
 Result<std::unique_ptr<OutputFile>> OutputFile::create(const std::string& path) {
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file < 0)
-    return Status::error(fmt::format("{}: cannot be written: {}; accepted: a file in a folder that exists", path,
-                                     strerrordesc_np(errno)));
+  if (file < 0) return cannot_be_made(path, errno);
   return std::unique_ptr<OutputFile>(new OutputFile(file, path));
 }
 

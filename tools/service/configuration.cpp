@@ -52,14 +52,9 @@ class ConfigurationReader {
 
   // A name that is none is said at its line, and the default goes on.
   std::string device_name(text::TableReader& t, const std::string& otherwise) {
-    constexpr std::string_view kOption = "--device: ", kAccepted = "; accepted: ";
-    const std::string name = t.text("name", otherwise, kLongestText);
-    const auto choice = hal::choose_device(name);
-    if (choice.ok()) return name;
-    const std::string& message = choice.message();
-    const std::size_t split = message.find(kAccepted), begin = message.starts_with(kOption) ? kOption.size() : 0;
-    if (split == std::string::npos) return name;
-    t.mistake("name", message.substr(begin, split - begin), message.substr(split + kAccepted.size()));
+    const std::string name = t.text("name", otherwise, kLongestText), mistake = hal::device_mistake(name);
+    if (mistake.empty()) return name;
+    t.mistake("name", mistake, hal::accepted_devices());
     return otherwise;
   }
 

@@ -132,14 +132,11 @@ std::vector<std::string> option_mistakes(const RunOptions& o) {
   const bool taped = o.taped_device.has_value(), given = o.given_device || o.device == kGivenDevice;
   if (!o.given_device && !(taped && given)) look_at(choice.status());
   const bool real = choice.ok() && choice.value().device_class->real;
-  if (o.virtual_time && real && !taped)
-    mistakes.push_back(fmt::format("--virtual-time: {} keeps real time; accepted: with --device {}", o.device,
-                                   hal::simulated_devices()));
-  if (choice.ok() && choice.value().device_class->describes_itself && !o.device_file.empty() && !taped)
-    mistakes.push_back(
-        fmt::format("--device-file: {} has properties of its own, and a description no effect; "
-                    "accepted: without it, or with {}",
-                    o.device, hal::described_by_files()));
+  if (choice.ok() && !taped) {
+    const hal::DeviceClass& device_class = *choice.value().device_class;
+    if (o.virtual_time) look_at(hal::check_virtual_time(device_class, o.device));
+    if (!o.device_file.empty()) look_at(hal::check_described(device_class, o.device));
+  }
   if (!o.gpio.empty()) look_at(hal::parse_gpio_options(o.gpio).status());
   if (o.virtual_time && !o.gpio.empty())
     mistakes.push_back("--gpio: lines are of real time; accepted: without --virtual-time");

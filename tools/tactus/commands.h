@@ -32,9 +32,7 @@ CLI::App* add_experiment_command(CLI::App& program, int& exit_code);
 int complain(const std::string& text, int exit_code);
 // Same, for a text with one line per mistake.
 int complain_of_each(const std::string& lines, int exit_code);
-// Control characters but line ends as '?': names of files may hold what a terminal obeys.
-std::string printable_lines(std::string text);
-// Same as complain, for an error after the object has been printed: only the line on stderr.
+// Same as complain(), for an error after the object has been printed: only the line on stderr.
 int complain_after(const std::string& text, int exit_code);
 
 // Writes `text` to `path`; nothing if the path is empty. Returns the exit status; reports a file that cannot be

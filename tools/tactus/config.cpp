@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "hal/device_file.h"
+#include "rt/text/without_control.h"
 #include "sim/loader/scene_load.h"
 #include "tools/doctor/system_view.h"
 #include "tools/json_report.h"
@@ -81,7 +82,7 @@ int check_file(const ConfigOptions& options) {
     fmt::print("{}\n", report_text(nlohmann::ordered_json{{"good", problems.empty()}, {"problems", problems}}, 2));
   else if (problems.empty())
     fmt::print("{}\n", good);
-  for (const std::string& problem : problems) fmt::print(stderr, "{}\n", printable_lines(problem));
+  for (const std::string& problem : problems) fmt::print(stderr, "{}\n", text::without_control(problem, '\n'));
   return problems.empty() ? kExitGood : kExitBadInput;
 }
 

@@ -201,15 +201,9 @@ int run_hil(HilCommand& c) {
     return complain(fmt::format("tactus hil: --only: {} is no check; accepted: see tactus hil --list --device {}",
                                 unknown, c.device),
                     kExitBadInput);
-  if (c.virtual_time && device_class.real)
-    return complain(fmt::format("tactus hil: --virtual-time: {} keeps real time; accepted: with --device {}", c.device,
-                                hal::simulated_devices()),
-                    kExitBadInput);
-  if (device_class.describes_itself && !c.device_file.empty())
-    return complain(fmt::format("tactus hil: --device-file: {} has properties of its own, and a description no effect; "
-                                "accepted: without it, or with {}",
-                                c.device, hal::described_by_files()),
-                    kExitBadInput);
+  for (const Status& status : {c.virtual_time ? hal::check_virtual_time(device_class, c.device) : Status::good(),
+                               c.device_file.empty() ? Status::good() : hal::check_described(device_class, c.device)})
+    if (!status.ok()) return complain("tactus hil: " + status.message(), kExitBadInput);
   const auto profile = session::find_description(c.profile, c.device_file);
   if (!profile.ok()) return complain_of_each(profile.message(), kExitBadInput);
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rt/text/nearest_word.h"
+#include "rt/text/without_control.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/version/version.h"
@@ -150,20 +151,14 @@ int complain(const std::string& text, int exit_code) {
   return complain_after(text, exit_code);
 }
 
-std::string printable_lines(std::string text) {
-  const auto is_control = [](char c) { return (static_cast<unsigned char>(c) < 32 && c != '\n') || c == 127; };
-  std::replace_if(text.begin(), text.end(), is_control, '?');
-  return text;
-}
-
 int complain_of_each(const std::string& lines, int exit_code) {
   print_error_object(lines, exit_code);
-  fmt::print(stderr, "tactus: {}\n", printable_lines(lines));
+  fmt::print(stderr, "tactus: {}\n", text::without_control(lines, '\n'));
   return exit_code;
 }
 
 int complain_after(const std::string& text, int exit_code) {
-  std::string line = printable_lines(text);
+  std::string line = text::without_control(text, '\n');
   std::replace(line.begin(), line.end(), '\n', ' ');
   // A text that begins with a command's path begins with the program's name already.
   fmt::print(stderr, "{}{}\n", line.starts_with("tactus") ? "" : "tactus: ", line);

@@ -137,7 +137,7 @@ TEST_CASE("device new --ask: Enter throughout makes a file, and a mistake is ask
                                        std::string(9, '\n') + std::string(6, '\n') + "5" + std::string(30, '\n'));
   INFO(mended.out);
   CHECK(mended.exit_code == 0);
-  CHECK_THAT(mended.out, Contains("'vesc' is none") && Contains("names one bus twice") && Contains("Once more") &&
+  CHECK_THAT(mended.out, Contains("'vesc' is none") && Contains("names can3 twice") && Contains("Once more") &&
                              Contains("from axis to axis, m [0.4]"));
 }
 

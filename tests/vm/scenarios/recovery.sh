@@ -106,15 +106,17 @@ if under_pressure 'told to idle by another'; then
   comes_in "told to idle by another"
 fi
 
-# is_refused NAME WORDS: a re-arm is refused and says why, and there is no force.
-is_refused() {
-  wait_for log_says "not armed.*$2"
-  refused=$?
-  sleep 0.3
+# no_force_and NAME SECONDS PATTERN: the host's log says PATTERN, and SECONDS later there is no force.
+no_force_and() {
+  wait_for log_says "$3"
+  heard=$?
+  sleep "$2"
   report
-  [ $refused = 0 ] && [ "$(value share)" = 0 ]
-  verdict "$1: the re-arm is refused and says why" "share $(value share); $(last_lines)"
+  [ $heard = 0 ] && [ "$(value share)" = 0 ]
+  verdict "$1" "share $(value share); $(last_lines)"
 }
+# is_refused NAME WORDS: a re-arm is refused and says why, and there is no force.
+is_refused() { no_force_and "$1: the re-arm is refused and says why" 0.3 "not armed.*$2"; }
 # no_escape NAME: what a device calls itself reaches no terminal as it is.
 no_escape() {
   ! grep -q "$(printf '\033')" "$host_log"
@@ -192,12 +194,7 @@ if under_pressure 'homing in a run'; then
   sleep 0.2
   as_another write 0x0252 1
   e_stop off
-  wait_for log_says 'refuses FORCE.*limit 76'
-  refused=$?
-  sleep 2
-  report
-  [ $refused = 0 ] && [ "$(value share)" = 0 ]
-  verdict "homing demanded in a run: no force, and a fault in words" "share $(value share); $(last_lines)"
+  no_force_and "homing demanded in a run: no force, and a fault in words" 2 'refuses FORCE.*limit 76'
   as_another execute 0x0802 2
   verdict "homing demanded in a run: the device is homed, its counts jump" "$line"
   report
