@@ -28,7 +28,7 @@ void ContactColours::assign(std::span<const Contact> contacts, std::span<const S
       a |= bit;
       b |= bit;
     }
-    ++(contact.b_fixed ? fixed_ : moving_).of[colour_[k]];
+    ++(contact.b_fixed ? fixed_ : moving_).of[colour_[k]][contact.count - 1];
   }
 }
 

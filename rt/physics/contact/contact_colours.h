@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <numeric>
 #include <span>
 
 #include "rt/base/bounded_vector.h"
@@ -21,9 +22,13 @@ class ContactColours {
  public:
   static constexpr std::uint32_t kColours = 64;  // one bit each in a 64-bit mask
   static constexpr std::uint8_t kLeftOver = 64, kNotSolved = 65;
-  // Number of contacts per colour; kept for contacts between moving bodies and with fixed bodies.
+  // Numbers of contacts by colour, the last entry those left over, and by the number of points, less 1.
   struct Counts {
-    std::array<std::uint32_t, kColours + 1> of{};  // by colour; the last entry: left over
+    std::array<std::array<std::uint32_t, kMaxManifoldPoints>, kColours + 1> of{};
+
+    std::uint32_t in(std::uint32_t colour) const noexcept {
+      return std::accumulate(of[colour].begin(), of[colour].end(), 0u);
+    }
   };
 
   explicit ContactColours(const Capacities& capacities)
@@ -34,8 +39,8 @@ class ContactColours {
   void assign(std::span<const Contact> contacts, std::span<const SolverBody<S>> motion) noexcept;
 
   std::uint8_t of(std::uint32_t contact) const noexcept { return colour_[contact]; }
-  const Counts& moving() const noexcept { return moving_; }
-  const Counts& fixed() const noexcept { return fixed_; }
+  const Counts& moving() const noexcept { return moving_; }  // contacts between moving bodies
+  const Counts& fixed() const noexcept { return fixed_; }    // with fixed bodies
 
  private:
   BoundedVector<std::uint8_t> colour_;  // by contact

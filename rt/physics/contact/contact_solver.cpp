@@ -71,7 +71,7 @@ template <class T, int kWidth>
 std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Counts& counts, std::uint32_t row,
                                                       Starts& starts) noexcept {
   for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour) {
-    const std::uint32_t count = counts.of[colour], rows = (count + kWidth - 1) / kWidth;
+    const std::uint32_t count = counts.in(colour), rows = (count + kWidth - 1) / kWidth;
     starts[colour] = row;
     rows_.all.resize(row + rows);
     for (std::uint32_t r = row; r < row + rows; ++r) {
@@ -84,6 +84,21 @@ std::uint32_t ContactSolver<T, kWidth>::place_colours(const ContactColours::Coun
     row += rows;
   }
   return starts[ContactColours::kColours] = row;
+}
+
+// The first lane of each colour's contacts of four points, then of three, and so on.
+template <class T, int kWidth>
+auto ContactSolver<T, kWidth>::lanes_by_points(const ContactColours::Counts& counts, const Starts& starts) noexcept
+    -> NextLanes {
+  NextLanes next;
+  for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour) {
+    std::uint32_t lane = starts[colour] * kWidth;
+    for (std::uint32_t points = kMaxManifoldPoints; points > 0; --points) {
+      next[colour][points - 1] = lane;
+      lane += counts.of[colour][points - 1];
+    }
+  }
+  return next;
 }
 
 template <class T, int kWidth>
@@ -99,22 +114,19 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   colours_.assign(contacts, std::span<const SolverBody<T>>(bodies.motion));
   rows_.first_fixed = place_colours(colours_.moving(), 0, moving_);
   place_colours(colours_.fixed(), rows_.first_fixed, fixed_);
-  singles_.first_fixed = colours_.moving().of[ContactColours::kLeftOver];
-  singles_.all.resize(singles_.first_fixed + colours_.fixed().of[ContactColours::kLeftOver]);
+  singles_.first_fixed = colours_.moving().in(ContactColours::kLeftOver);
+  singles_.all.resize(singles_.first_fixed + colours_.fixed().in(ContactColours::kLeftOver));
   for (auto& row : singles_.all) {
     row.used = 1;
     row.points = row.any_shared = row.any_round = 0;
     row.rolling = 0;
   }
 
-  // Assigns each contact to the next lane of its colour; then the rows are filled in their order.
-  Starts lane_of_moving, lane_of_fixed;
-  for (std::uint32_t colour = 0; colour < ContactColours::kColours; ++colour) {
-    lane_of_moving[colour] = moving_[colour] * kWidth;
-    lane_of_fixed[colour] = fixed_[colour] * kWidth;
-  }
-  lane_of_moving[ContactColours::kLeftOver] = 0;
-  lane_of_fixed[ContactColours::kLeftOver] = singles_.first_fixed;
+  // Assigns each contact to a lane of its colour; then the rows are filled in their order. A row takes the time of its
+  // contact with the most points, so those with as many share rows.
+  NextLanes next_moving = lanes_by_points(colours_.moving(), moving_),
+            next_fixed = lanes_by_points(colours_.fixed(), fixed_);
+  std::uint32_t next_single = 0, next_fixed_single = singles_.first_fixed;
   std::size_t pair_end = 0;  // of the contacts of the same two bodies
   std::uint32_t share = 1;
   for (std::uint32_t k = 0; k < contacts.size(); ++k) {
@@ -125,11 +137,12 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
     }
     const std::uint8_t colour = colours_.of(k);
     if (colour == ContactColours::kNotSolved) continue;
-    const std::uint32_t place = (contacts[k].b_fixed ? lane_of_fixed : lane_of_moving)[colour]++;
-    if (colour == ContactColours::kLeftOver)
-      assign(singles_.all[place], 0, k, share);
-    else
-      assign(rows_.all[place / kWidth], place % kWidth, k, share);
+    if (colour == ContactColours::kLeftOver) {
+      assign(singles_.all[(contacts[k].b_fixed ? next_fixed_single : next_single)++], 0, k, share);
+      continue;
+    }
+    const std::uint32_t lane = (contacts[k].b_fixed ? next_fixed : next_moving)[colour][contacts[k].count - 1]++;
+    assign(rows_.all[lane / kWidth], lane % kWidth, k, share);
   }
   for_each_row([contacts, bodies](auto& row) noexcept {
     for (std::uint32_t lane = 0; lane < row.used; ++lane)

@@ -53,7 +53,9 @@ class ContactSolver {
   // First row of each colour; the next entry is its end.
   using Starts = std::array<std::uint32_t, ContactColours::kColours + 1>;
 
+  using NextLanes = std::array<std::array<std::uint32_t, kMaxManifoldPoints>, ContactColours::kColours>;
   std::uint32_t place_colours(const ContactColours::Counts& counts, std::uint32_t row, Starts& starts) noexcept;
+  static NextLanes lanes_by_points(const ContactColours::Counts& counts, const Starts& starts) noexcept;
   template <class F>
   void for_each_colour(const Starts& starts, F&& f) noexcept;
   template <class F>
