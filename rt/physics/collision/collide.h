@@ -22,6 +22,7 @@ struct PairView {
   Vec3d b_from_a;  // m, from the centre of A to the centre of B, world axes
   double margin;   // m
   const LastFeatures& last;
+  AxisCache apart{};  // of the last step
 };
 
 inline PairView pair_view(PosedShape a, PosedShape b, const ManifoldQuery& query) noexcept {
@@ -31,7 +32,8 @@ inline PairView pair_view(PosedShape a, PosedShape b, const ManifoldQuery& query
           .world_from_b = b.pose.rotation,
           .b_from_a = b.pose.position - a.pose.position,
           .margin = query.margin,
-          .last = query.last};
+          .last = query.last,
+          .apart = query.apart};
 }
 
 // Marks the polygon's points that were in the last step's manifold. `type`: the type bits that their ids lack to be

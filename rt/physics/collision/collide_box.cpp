@@ -350,6 +350,7 @@ void collide_boxes(std::span<const BoxPairQuery> pairs) noexcept {
     pair.manifold.count = 0;
     pair.manifold.gap = apart != 0 ? bound.gap[lane] : 0.0;
     pair.manifold.lever_arm = apart != 0 ? bound.lever_arm[lane] : 0.0;
+    pair.manifold.apart = {};
     if (apart != 0)
       pair.cache.axis = static_cast<std::uint8_t>(apart);
     else

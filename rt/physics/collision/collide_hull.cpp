@@ -38,20 +38,52 @@ struct Placed {
   Vec3d normal_to_b(const Vec3d& n) const noexcept { return rotate(rotation, on_a ? n : -n); }
 };
 
-// Tests the last step's axis before anything else is computed; without one, asks for the distance.
-HullGap find_gap(const RelativeHulls& ab, const AxisCache& cache, double margin) noexcept {
-  const HullTopology &a = *ab.ref.topology, &b = *ab.other.topology;
-  const auto beyond = [margin](double separation) noexcept { return HullGap{separation > margin, separation}; };
-  if (cache.axis == kHullFaceA && cache.a < a.faces) return beyond(ab.face_separation(cache.a));
-  if (cache.axis == kHullFaceB && cache.b < b.faces) {
-    const Vec3d n = ab.to_ref(ab.other.normal(cache.b));
-    return beyond(-dot(n, ab.centre) - ab.ref.reach_along(-n) - ab.other.offsets[cache.b]);
+AxisCache cache_of(std::uint8_t axis, std::uint32_t a, std::uint32_t b) noexcept {
+  return {axis, static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
+}
+AxisCache face_of_a(std::uint32_t face) noexcept { return cache_of(kHullFaceA, face, 0); }
+AxisCache face_of_b(std::uint32_t face) noexcept { return cache_of(kHullFaceB, 0, face); }
+
+// Separation in front of a face of either hull; minus infinity if the axis is none.
+double face_separation(const RelativeHulls& ab, const AxisCache& face) noexcept {
+  if (face.axis == kHullFaceA && face.a < ab.ref.topology->faces) return ab.face_separation(face.a);
+  if (face.axis != kHullFaceB || face.b >= ab.other.topology->faces) return -std::numeric_limits<double>::infinity();
+  const Vec3d n = ab.to_ref(ab.other.normal(face.b));
+  return -dot(n, ab.centre) - ab.ref.reach_along(-n) - ab.other.offsets[face.b];
+}
+
+void report_apart(const PairView& pair, double gap, AxisCache face, Manifold& manifold) noexcept {
+  report_gap(pair, gap, manifold);
+  manifold.apart = face;
+}
+
+// The pair had no contact in the last step: tests the face that separated it then, else asks for the distance. False if
+// the hulls are not apart.
+bool are_still_apart(const PairView& pair, const RelativeHulls& ab, Manifold& manifold) noexcept {
+  // The search of faces may round otherwise.
+  if (const double gap = face_separation(ab, pair.apart); gap > pair.margin + kNoDirection) {
+    report_apart(pair, gap, pair.apart, manifold);
+    return true;
   }
-  if (cache.axis == kHullEdges && cache.a < a.edges && cache.b < b.edges) {
-    const EdgeAxis axis = edge_axis(ab, cache.a, cache.b);
-    return axis.found ? beyond(ab.separation_along(axis.normal)) : HullGap{};
-  }
-  return gap_of(ab, margin);
+  const HullGap gap = gap_of(ab, pair.margin);
+  if (!gap.apart) return false;
+  const AxisCache a = face_of_a(ab.ref.face_along(gap.along)),
+                  b = face_of_b(ab.other.face_along(ab.to_other(-gap.along)));
+  const double by_a = face_separation(ab, a), by_b = face_separation(ab, b);
+  report_apart(pair, gap.gap, larger(by_a, by_b) > pair.margin ? (by_a < by_b ? b : a) : AxisCache{}, manifold);
+  return true;
+}
+
+// Tests the edges of the last step's contact before anything else is computed. False if they do not separate the hulls.
+bool are_apart_along(const PairView& pair, const RelativeHulls& ab, const AxisCache& edges,
+                     Manifold& manifold) noexcept {
+  if (edges.a >= ab.ref.topology->edges || edges.b >= ab.other.topology->edges) return false;
+  const EdgeAxis axis = edge_axis(ab, edges.a, edges.b);
+  if (!axis.found) return false;
+  const double gap = ab.separation_along(axis.normal);
+  if (!(gap > pair.margin)) return false;
+  report_gap(pair, gap, manifold);
+  return true;
 }
 
 // The incident face, clipped to the reference face.
@@ -171,10 +203,6 @@ void add_edge_contact(const PairView& pair, const RelativeHulls& ab, const EdgeA
             kEdgeType | axis.edge << 8 | axis.other_edge);
 }
 
-AxisCache cache_of(std::uint8_t axis, std::uint32_t a, std::uint32_t b) noexcept {
-  return {axis, static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
-}
-
 // Where the search of one hull's faces starts: its best face in the last step, or one of the edge's; kMaxHullFaces if
 // there was none. `cached_at`: of that hull.
 std::uint32_t last_face(const HullTopology& topology, const AxisCache& cached, std::uint32_t cached_at) noexcept {
@@ -189,11 +217,14 @@ ChosenFace choose_face(const RelativeHulls& ab, const RelativeHulls& ba, const F
   const auto about_best = [best](double separation) noexcept {
     return !(best > separation + axis_preference(separation));
   };
+  const auto separation_of = [](const RelativeHulls& hulls, const FaceSearch& searched, std::uint32_t face) noexcept {
+    return face == searched.face ? searched.separation : hulls.face_separation(face);
+  };
   if (cached.axis == kHullFaceA && cached.a < ab.ref.topology->faces)
-    if (const double separation = ab.face_separation(cached.a); about_best(separation))
+    if (const double separation = separation_of(ab, best_a, cached.a); about_best(separation))
       return {.on_a = true, .face = cached.a, .separation = separation};
   if (cached.axis == kHullFaceB && cached.b < ba.ref.topology->faces)
-    if (const double separation = ba.face_separation(cached.b); about_best(separation))
+    if (const double separation = separation_of(ba, best_b, cached.b); about_best(separation))
       return {.on_a = false, .face = cached.b, .separation = separation};
   if (about_best(best_a.separation)) return {.on_a = true, .face = best_a.face, .separation = best_a.separation};
   return {.on_a = false, .face = best_b.face, .separation = best_b.separation};
@@ -206,17 +237,32 @@ void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, M
   const double margin = pair.margin;
   const AxisCache cached = cache;
   const RelativeHulls ab = relative_hulls(pair, a, b);
-  if (const HullGap gap = find_gap(ab, cached, margin); gap.apart) return report_gap(pair, gap.gap, manifold);
-  FaceSearch best_a, best_b;
-  find_best_face(ab, margin, last_face(*a.topology, cached, cached.a), best_a);
-  if (!(best_a.separation <= margin)) return report_gap(pair, best_a.separation, manifold);
   const RelativeHulls ba = ab.reversed();
-  find_best_face(ba, margin, last_face(*b.topology, cached, cached.b), best_b);
-  if (!(best_b.separation <= margin)) return report_gap(pair, best_b.separation, manifold);
-  const double best = std::max(best_a.separation, best_b.separation);
-  const EdgeAxis edges = best_edges(ab, margin, best, best_a, best_b);
-  if (edges.separation > margin) return report_gap(pair, edges.separation, manifold);
+  const bool a_last = cached.axis == kHullFaceA, b_last = cached.axis == kHullFaceB;
+  if (cached.axis == kHullEdges ? are_apart_along(pair, ab, cached, manifold)
+                                : !a_last && !b_last && are_still_apart(pair, ab, manifold))
+    return;
+  // The hull with the last step's face comes first, and that face before the others; of the second hull only a face
+  // that is better matters.
+  FaceSearch best_a, best_b;
+  const auto is_apart = [&](bool of_b, double at_least) noexcept {
+    FaceSearch& best = of_b ? best_b : best_a;
+    const RelativeHulls& hulls = of_b ? ba : ab;
+    find_best_face(hulls, margin, at_least, last_face(*hulls.ref.topology, cached, of_b ? cached.b : cached.a), best);
+    if (best.separation <= margin) return false;
+    report_apart(pair, best.separation, of_b ? face_of_b(best.face) : face_of_a(best.face), manifold);
+    return true;
+  };
+  if (is_apart(b_last, -std::numeric_limits<double>::infinity())) return;
+  if (is_apart(!b_last, (b_last ? best_b : best_a).separation)) return;
   const ChosenFace face = choose_face(ab, ba, best_a, best_b, cached);
+  // Edges count only where they beat the face by the preference. Of two hulls that rest on each other the edges of the
+  // faces that touch are as deep as these: with the preference nearly all of them are left out at once.
+  const double best = std::max(best_a.separation, best_b.separation);
+  const double at_least =
+      std::max(best, face.separation + edge_preference(face.separation, false, cached.axis == kHullEdges));
+  const EdgeAxis edges = best_edges(ab, margin, at_least, best_a, best_b);
+  if (edges.found && edges.separation > margin) return report_gap(pair, edges.separation, manifold);
   const Vec3d face_normal = face.on_a ? ab.ref.normal(face.face) : ab.to_ref(ba.ref.normal(face.face));
   const bool along_face = edges.found && is_along_face(edges.normal, face_normal);
   if (edges.found &&
@@ -227,7 +273,7 @@ void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, M
     return add_edge_contact(pair, ab, edges, manifold);
   }
   cache = face.on_a ? cache_of(kHullFaceA, face.face, best_b.face) : cache_of(kHullFaceB, best_a.face, face.face);
-  add_face_contact(pair, face.on_a ? ab : ba, face, edges.separation, manifold);
+  add_face_contact(pair, face.on_a ? ab : ba, face, edges.found ? edges.separation : best, manifold);
 }
 
 // Adds the vertices of one face: of the faces at the lowest vertex, the one that points down most. Feature: the vertex.

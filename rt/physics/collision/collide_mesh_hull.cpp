@@ -267,7 +267,7 @@ class HullOnPatch {
     ab.ref.heights(ab.centre, of_triangle.centre);
     axes.by_face = of_triangle.separation;
     if (!(axes.by_face <= margin)) return axes;
-    find_best_face(ab.reversed(), margin, kMaxHullFaces, of_hull);
+    find_best_face(ab.reversed(), margin, -std::numeric_limits<double>::infinity(), kMaxHullFaces, of_hull);
     axes.hull_face = {of_hull.face, of_hull.separation};
     if (!(of_hull.separation <= margin)) return axes;
     axes.edges = best_edges(ab, margin, larger(axes.by_face, of_hull.separation), of_triangle, of_hull);

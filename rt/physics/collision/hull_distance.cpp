@@ -20,7 +20,7 @@ HullGap gap_of(const RelativeHulls& hulls, double margin) noexcept {
     const Vec3d point = hulls.other_vertex(hulls.other.support(hulls.to_other(-nearest))) -
                         hulls.ref.vertex(hulls.ref.support(nearest));
     const double along = dot(nearest, point);
-    if (along > 0.0 && along * along > margin * margin * squared) return {true, along / std::sqrt(squared)};
+    if (along > 0.0 && along * along > margin * margin * squared) return {true, along / std::sqrt(squared), nearest};
     if (!(squared - along > kProgress * squared)) return {};
     simplex.p[simplex.count++] = point;
     nearest = nearest_of(simplex);

@@ -86,7 +86,8 @@ void hold_face(const RelativeHulls& hulls, std::uint32_t face, double margin, Fa
   if (search.separation <= margin) hulls.ref.heights(hulls.other_vertex(deepest), search.deepest);
 }
 
-void find_best_face(const RelativeHulls& hulls, double margin, std::uint32_t first, FaceSearch& search) noexcept {
+void find_best_face(const RelativeHulls& hulls, double margin, double at_least, std::uint32_t first,
+                    FaceSearch& search) noexcept {
   // Two points bound each separation from above: the centre of the other hull, with its inscribed sphere, and the
   // vertex that is deepest behind the first face. The face with the largest bound by the first is tested first.
   const std::uint32_t faces = hulls.ref.topology->faces;
@@ -107,12 +108,13 @@ void find_best_face(const RelativeHulls& hulls, double margin, std::uint32_t fir
     V centre, deepest;
     load(centre, search.centre.of + block);
     load(deepest, search.deepest.of + block);
-    const V least(search.separation);
+    const V least(larger(search.separation, at_least));
     if (!any(both(least <= centre - V(inner_radius), least - V(rounding) <= deepest))) continue;
     const std::uint32_t end = block + kLanes<V> < faces ? block + kLanes<V> : faces;
     for (std::uint32_t f = block; f < end && search.separation <= margin; ++f) {
-      if (f == start || search.centre.of[f] - inner_radius < search.separation) continue;
-      if (search.deepest.of[f] < search.separation - rounding) continue;
+      const double floor = larger(search.separation, at_least);
+      if (f == start || search.centre.of[f] - inner_radius < floor) continue;
+      if (search.deepest.of[f] < floor - rounding) continue;
       const double separation = hulls.face_separation(f);
       if (!(separation > search.separation)) continue;
       best = f;
@@ -142,10 +144,17 @@ EdgeAxis best_edges(const RelativeHulls& hulls, double margin, double at_least, 
                     const FaceSearch& of_other) noexcept {
   EdgeAxis best;
   best.separation = at_least;
+  // The hull with the better face comes first: mostly none of its edges is left.
   EdgeList mine, others;
-  list_edges(hulls, at_least, of_ref, mine);
-  if (mine.count == 0) return best;
-  list_edges(hulls.reversed(), at_least, of_other, others);
+  const auto lists_any = [&](bool of_ref_hull) noexcept {
+    if (of_ref_hull)
+      list_edges(hulls, at_least, of_ref, mine);
+    else
+      list_edges(hulls.reversed(), at_least, of_other, others);
+    return (of_ref_hull ? mine : others).count > 0;
+  };
+  const bool ref_first = !(of_ref.separation < of_other.separation);
+  if (!lists_any(ref_first) || !lists_any(!ref_first)) return best;
   OtherEdges other;
   constexpr std::uint32_t lanes = kLanes<OtherEdges::V>;
   for (std::uint32_t j = 0; j < others.count; ++j) {

@@ -55,7 +55,9 @@ struct FaceSearch {
 void hold_face(const RelativeHulls& hulls, std::uint32_t face, double margin, FaceSearch& search) noexcept;
 // Finds the face of ref with the largest separation (`first` on a tie, or the face where the search starts), or the
 // first one found whose separation exceeds the margin. `first`: the face to test first, or any number >= faces.
-void find_best_face(const RelativeHulls& hulls, double margin, std::uint32_t first, FaceSearch& search) noexcept;
+// `at_least`: faces below it do not matter; where all are, `search` is one of them.
+void find_best_face(const RelativeHulls& hulls, double margin, double at_least, std::uint32_t first,
+                    FaceSearch& search) noexcept;
 
 struct EdgeAxis {
   bool found{false};

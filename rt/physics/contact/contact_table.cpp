@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include "rt/physics/collision/collide_boxes.h"
-#include "rt/physics/collision/collide_mesh.h"
-#include "rt/physics/collision/collide_parts.h"
+#include "rt/physics/collision/collide.h"
 #include "rt/physics/collision/mesh_reach.h"
 #include "rt/physics/contact/pair_friction.h"
 #include "rt/physics/contact/redundant_points.h"
@@ -46,8 +44,6 @@ constexpr MotionBound kStill{};  // of a fixed body
 constexpr std::uint32_t kStretch = 256;
 // A search takes about 1 us, and so does handing it to another thread.
 constexpr std::uint32_t kMinSearches = 4;
-// Counted instructions: two boxes 3k; hulls of 8, 20 and 64 vertices 5.5k, 10k and 27k; a box on 60 triangles 42k.
-constexpr std::uint32_t kVerticesPerComparison = 16, kTrianglesPerComparison = 4;
 
 }  // namespace
 
@@ -153,6 +149,7 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
     const Pair& last = last_pairs_[walk.last_pair];
     pair.gap = last.gap - moved_against(a, b, last.lever_arm);
     pair.lever_arm = last.lever_arm;
+    pair.apart = last.apart;
     if (pair.gap > margin) return;
   }
   pair.gap = pair.lever_arm = 0.0;
@@ -182,97 +179,9 @@ void ContactTable::visit(Walk& walk, std::uint32_t index) noexcept {
   search.given = given;
   search.query.margin = margin;
   search.query.last = features_of(known ? &walk.old[walk.old_seen] : nullptr, given);
+  search.query.apart = pair.apart;
+  pair.apart = {};
   search.axis_cache = known ? walk.old[walk.old_seen].axis_cache : given ? given->axis_cache : AxisCache{};
-}
-
-// The two bodies of a pair, and which part of each is meant.
-struct ContactTable::Sides {
-  const Body &a, &b;
-  std::uint32_t part_a, part_b;
-  const Shape &shape_a, &shape_b;  // of the parts
-};
-
-[[gnu::always_inline]] inline ContactTable::Sides ContactTable::sides_of(const Scene& scene,
-                                                                         const Pair& pair) const noexcept {
-  const Body& a = scene.bodies[pair.a];
-  const Body& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
-  const std::uint32_t part_a = pair.key.part_of(a.id), part_b = pair.key.part_of(b.id);  // of a patch: 0
-  const Compounds compounds = scene.shapes.compounds;
-  return {a, b, part_a, part_b, part_shape(a.shape, part_a, compounds), part_shape(b.shape, part_b, compounds)};
-}
-
-std::uint32_t ContactTable::comparisons_in(const Scene& scene, const Search& search) const noexcept {
-  const Pair& pair = pairs_[search.pair];
-  if (pair.patch.count > 0) return 1 + pair.patch.count / kTrianglesPerComparison;
-  const Sides sides = sides_of(scene, pair);
-  const Shape &a = sides.shape_a, &b = sides.shape_b;
-  const auto vertices = [&](const Shape& shape) {
-    return shape.kind == ShapeKind::kHull ? scene.shapes.hulls[shape.index].topology.vertices : 0;
-  };
-  return 1 + (vertices(a) + vertices(b)) / kVerticesPerComparison;
-}
-
-Manifold ContactTable::compare(const Scene& scene, Search& search) const noexcept {
-  const Pair& pair = pairs_[search.pair];
-  const ShapeLists& shapes = scene.shapes;
-  const Sides sides = sides_of(scene, pair);
-  const Body &a = sides.a, &b = sides.b;
-  const auto with_patch = [&](PosedShape part) noexcept {
-    return collide_patch(part,
-                         {.mesh = shapes.meshes[b.shape.index],
-                          .world_from_mesh = b.motion.pose,
-                          .triangles = scene.mesh_triangles.subspan(pair.patch.first, pair.patch.count)},
-                         search.query, shapes.hulls);
-  };
-  const bool is_patch = b.shape.kind == ShapeKind::kMesh;
-  if (a.shape.kind != ShapeKind::kCompound && b.shape.kind != ShapeKind::kCompound)
-    return is_patch ? with_patch(posed_shape(a))
-                    : collide(posed_shape(a), posed_shape(b), search.query, search.axis_cache, shapes.hulls);
-  const PosedPart part_a = part_of(posed_shape(a), sides.part_a, shapes.compounds);
-  const PosedPart part_b = part_of(posed_shape(b), sides.part_b, shapes.compounds);
-  if (!is_patch) return collide_parts(part_a, part_b, search.query, search.axis_cache, shapes.hulls);
-  Manifold manifold = with_patch(part_a.posed());
-  move_to_bodies(part_a, part_b, manifold);
-  return manifold;
-}
-
-// As compare, for up to kBoxPairs searches of two boxes; their manifolds go to manifolds_.
-void ContactTable::compare_boxes(const Scene& scene, std::span<const std::uint32_t> searches) noexcept {
-  const auto query_of = [&](std::size_t k) noexcept -> BoxPairQuery {
-    const std::uint32_t index = searches[k < searches.size() ? k : 0];
-    Search& search = searches_[index];
-    const Pair& pair = pairs_[search.pair];
-    const bool with_fixed = pair.key.with_fixed();
-    return {.a = posed_shape(scene.bodies[pair.a]),
-            .b = posed_shape(with_fixed ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b]),
-            .frame_a = scene.frames[pair.a],
-            .frame_b = with_fixed ? scene.fixed_frames[pair.b] : scene.frames[pair.b],
-            .query = search.query,
-            .cache = search.axis_cache,
-            .manifold = manifolds_[index]};
-  };
-  const std::array<BoxPairQuery, kBoxPairs> queries{query_of(0), query_of(1), query_of(2), query_of(3)};
-  collide_boxes(std::span(queries).first(searches.size()));
-}
-
-// Makes the searches from `first` to before `end`.
-void ContactTable::search(const Scene& scene, std::uint32_t first, std::uint32_t end) noexcept {
-  FixedVector<std::uint32_t, kBoxPairs> boxes;
-  const auto compare_listed = [&]() noexcept {
-    if (boxes.size() > 0) compare_boxes(scene, {boxes.begin(), boxes.size()});
-    boxes.clear();
-  };
-  for (std::uint32_t k = first; k < end; ++k) {
-    const Pair& pair = pairs_[searches_[k].pair];
-    const Shape& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b].shape : scene.bodies[pair.b].shape;
-    if (scene.bodies[pair.a].shape.kind != ShapeKind::kBox || b.kind != ShapeKind::kBox) {
-      manifolds_[k] = compare(scene, searches_[k]);
-      continue;
-    }
-    (void)boxes.try_push(k);  // fits: emptied when full
-    if (boxes.size() == kBoxPairs) compare_listed();
-  }
-  compare_listed();
 }
 
 // Carries the next contact over and updates its points to the bodies' present poses.
@@ -314,6 +223,7 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   const auto set_apart = [&]() noexcept {
     pair.gap = manifold.gap;
     pair.lever_arm = manifold.lever_arm;
+    pair.apart = manifold.apart;
   };
   if (manifold.count == 0) return set_apart();
   const bool with_fixed = pair.key.with_fixed();

@@ -85,6 +85,7 @@ class ContactTable {
     PatchTriangles patch;
     double gap{}, lever_arm{};  // m: gap and lever arm of a manifold without points, the gap less the relative motion
                                 // since; 0: unknown
+    AxisCache apart{};          // of the same manifold
   };
   // A pair that has a contact or may get one: either carried over or searched.
   struct Visit {
@@ -107,7 +108,12 @@ class ContactTable {
   void sort_pairs() noexcept;
   void sort_warm_starts() noexcept;
   void visit(Walk& walk, std::uint32_t index) noexcept;
-  struct Sides;
+  // The two bodies of a pair, and which part of each is meant.
+  struct Sides {
+    const Body &a, &b;
+    std::uint32_t part_a, part_b;
+    const Shape &shape_a, &shape_b;  // of the parts
+  };
   Sides sides_of(const Scene& scene, const Pair& pair) const noexcept;
   std::uint32_t comparisons_in(const Scene& scene, const Search& search) const noexcept;
   Manifold compare(const Scene& scene, Search& search) const noexcept;
@@ -131,5 +137,14 @@ class ContactTable {
   BoundedVector<WarmStart> warm_starts_;                          // in order of arrival
   BoundedVector<std::uint32_t> warm_start_order_;                 // by key, then by arrival
 };
+
+[[gnu::always_inline]] inline ContactTable::Sides ContactTable::sides_of(const Scene& scene,
+                                                                         const Pair& pair) const noexcept {
+  const Body& a = scene.bodies[pair.a];
+  const Body& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
+  const std::uint32_t part_a = pair.key.part_of(a.id), part_b = pair.key.part_of(b.id);  // of a patch: 0
+  const Compounds compounds = scene.shapes.compounds;
+  return {a, b, part_a, part_b, part_shape(a.shape, part_a, compounds), part_shape(b.shape, part_b, compounds)};
+}
 
 }  // namespace tactus::physics

@@ -257,6 +257,31 @@ TEST_CASE("The axis of the last step saves work and changes no gap by more than 
   });
 }
 
+TEST_CASE("The face that separated two hulls is tested first, and whatever it was changes no point") {
+  std::uint32_t known = 0;
+  for_random_pairs(11, 200, [&](const Pair& p, Random& random) {
+    AxisCache cache;
+    Pair apart = p;  // as in the step before
+    apart.pose_b.position +=
+        3 * kMargin * (p.pose_b.position - p.pose_a.position) * (1.0 / norm(p.pose_b.position - p.pose_a.position));
+    const Manifold before = touch(apart), cold = touch(p);
+    known += before.apart.axis != 0 ? 1 : 0;
+    const AxisCache any{static_cast<std::uint8_t>(16 + random.below(2)), static_cast<std::uint8_t>(random.below(256)),
+                        static_cast<std::uint8_t>(random.below(256))};
+    for (const AxisCache& last : {before.apart, any}) {
+      const Manifold warm =
+          collide({p.a, p.pose_a}, {p.b, p.pose_b}, {.margin = kMargin, .apart = last}, cache = {}, p.hulls);
+      REQUIRE(warm.count == cold.count);
+      for (std::uint32_t i = 0; i < cold.count; ++i) {
+        REQUIRE(warm.points[i].separation == cold.points[i].separation);
+        REQUIRE(warm.points[i].feature == cold.points[i].feature);
+      }
+      if (warm.count == 0 && gap(p) > 0) REQUIRE(warm.gap <= gap(p) + 1e-12);
+    }
+  });
+  CHECK(known > 0);
+}
+
 TEST_CASE("A hull that is not in the list, and a pose that is not finite, touch nothing") {
   Random random(10);
   for_random_pairs(10, 20, [](const Pair& p, Random&) {
