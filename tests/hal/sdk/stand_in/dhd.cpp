@@ -49,8 +49,9 @@ int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double ma
   while (g_device.hangs) usleep(1000);
   if (g_device.blocks_us > 0) usleep(g_device.blocks_us);
   for (int i = 0; i < 3; ++i) {
-    const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) -
-                         kStiffness_N_per_m * g_device.position_m[i] - kDamping_Ns_per_m * g_device.speed_m_per_s[i];
+    const double stretch_m = g_device.position_m[i] - (i == 2 ? g_device.hand_z_m.load() : 0.0);
+    const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) - kStiffness_N_per_m * stretch_m -
+                         kDamping_Ns_per_m * g_device.speed_m_per_s[i];
     g_device.speed_m_per_s[i] += kStep_s * force / kMass_kg;
     g_device.position_m[i] += kStep_s * g_device.speed_m_per_s[i];
   }

@@ -47,9 +47,9 @@ void step() {
   g_time_s += kStep_s;
   const double down_mm = 0.5 * g_sway_mm * (1 - std::cos(4 * 3.14159265358979 * g_time_s));
   for (int i = 0; i < 3; ++i) {
-    const double position_m = 1e-3 * (g_device.position_mm[i] + (i == 1 ? down_mm : 0)),
+    const double stretch_m = 1e-3 * (g_device.position_mm[i] + (i == 1 ? down_mm - g_device.hand_y_mm : 0)),
                  speed = 1e-3 * g_speed_mm_per_s[i];
-    const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) - kStiffness_N_per_m * position_m -
+    const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) - kStiffness_N_per_m * stretch_m -
                          kDamping_Ns_per_m * speed;
     g_speed_mm_per_s[i] += 1e3 * kStep_s * force / kMass_kg;
     g_device.position_mm[i].store(g_device.position_mm[i] + kStep_s * g_speed_mm_per_s[i]);
