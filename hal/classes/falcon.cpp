@@ -67,7 +67,12 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
   if (!device.ok()) return device.status();
   std::string identity = image.empty() ? "Novint Falcon, its firmware was running"
                                        : "Novint Falcon, firmware image " + falcon_checksum(image);
-  return OpenedDevice{std::make_unique<AnyDevice>(std::move(device).value()), std::move(identity), {}};
+  OpenedDevice opened{std::make_unique<AnyDevice>(std::move(device).value()), std::move(identity)};
+  opened.not_checked = {
+      {"watchdog",
+       "what brakes here is this program; none is known in the device, which keeps its last force when a "
+       "program is killed"}};
+  return opened;
 }
 
 double simulated_gain_of(std::string_view address) {

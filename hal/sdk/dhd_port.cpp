@@ -72,8 +72,8 @@ std::string DhdPort::set_expert() {
   std::string missing;
   const auto look = [&missing](bool good, const char* words) { missing += good ? "" : words; };
   look(f_.dhdSetTimeGuard(0, id) == kGood, "; its time guard could not be switched off: samples may be old");
-  look(f_.dhdSetWatchdog != nullptr && f_.dhdSetWatchdog(kWatchdogSteps, id) == kGood,
-       "; its watchdog could not be set to 10 ms: a program that is killed may leave the last force");
+  has_watchdog_ = f_.dhdSetWatchdog != nullptr && f_.dhdSetWatchdog(kWatchdogSteps, id) == kGood;
+  look(has_watchdog_, "; its watchdog could not be set to 10 ms: a program that is killed may leave the last force");
   if (!expert && !missing.empty()) missing += "; the library has no expert mode for it";
   return missing;
 }
@@ -119,6 +119,11 @@ bool DhdPort::enable_forces(bool on) noexcept {
   const int zeros = f_.dhdSetForceAndTorqueAndGripperForce(0, 0, 0, 0, 0, 0, 0, id);
   forces_ = on && f_.dhdSetBrakes(0, id) != -1 && f_.dhdEnableForce(1, id) == kGood;
   return on ? forces_ : f_.dhdStop(id) == kGood && zeros != -1;
+}
+
+std::string DhdPort::watchdog() const {
+  return has_watchdog_ ? "the device's own acts after 10 ms, says its library, which set it; nothing provokes it"
+                       : "the device's own could not be set: a program that is killed may leave the last force";
 }
 
 SdkResult DhdPort::exchange(const Wrenchd& wrench, SdkState& state) noexcept {

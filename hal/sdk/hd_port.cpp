@@ -215,6 +215,11 @@ bool HdPort::enable_forces(bool on) noexcept {
   return good;
 }
 
+std::string HdPort::watchdog() const {
+  return "none is known in the device: it keeps its last force while its library is stuck, and may when a program is "
+         "killed";
+}
+
 Status HdPort::start_calls(const SdkCall& call, std::int64_t period_ns) {
   call_ = call;
   period_s_ = 1e-9 * static_cast<double>(period_ns);

@@ -14,6 +14,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "hal/host_states.h"
@@ -42,6 +43,9 @@ class SdkWorker {
   const haptics::DeviceProperties& properties() const noexcept { return properties_; }
   void read(haptics::DeviceInput& input) noexcept;
   void write(const haptics::DeviceCommand& command) noexcept;
+  // [normal] Why no samples come, as a half line; empty: nothing is known.
+  std::string trouble() const;
+  std::string watchdog() const { return port_->watchdog(); }
 
  private:
   struct Request {
@@ -63,6 +67,7 @@ class SdkWorker {
   void called() noexcept;
   void work() noexcept;
   void try_once() noexcept;
+  SdkResult call_port(const Wrenchd& wrench, SdkState& state) noexcept;
   void exchange() noexcept;
   void finish() noexcept;
 
@@ -87,6 +92,10 @@ class SdkWorker {
   SdkResult trial_result_{SdkResult::kError};
   std::atomic<unsigned> trials_{0};
   std::atomic<bool> stop_{false}, finished_{false}, gone_{false};
+  // Of the newest exchange, for trouble().
+  std::atomic<SdkResult> told_{SdkResult::kFresh};
+  std::atomic<std::uint32_t> told_fault_{0};
+  std::atomic<std::int64_t> ended_ns_{0}, took_ns_{0};
   loop::RealtimeThread thread_;  // declared last: it uses the other members
 };
 
@@ -106,6 +115,9 @@ class SdkDevice {
   const haptics::DeviceProperties& properties() const noexcept { return worker_->properties(); }
   void read(haptics::DeviceInput& input) noexcept { worker_->read(input); }
   void write(const haptics::DeviceCommand& command) noexcept { worker_->write(command); }
+  // [normal] As of SdkWorker.
+  std::string trouble() const { return worker_->trouble(); }
+  std::string watchdog() const { return worker_->watchdog(); }
 
  private:
   explicit SdkDevice(std::unique_ptr<SdkWorker> worker) noexcept : worker_(std::move(worker)) {}

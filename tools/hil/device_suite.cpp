@@ -21,6 +21,7 @@ using haptics::ReadStatus;
 
 constexpr double kQuiet_s = 2, kPush_s = 0.3;
 constexpr double kMinFresh = 0.999;  // share of the periods at rest
+constexpr double kLeastFresh = 0.5;  // where times are not judged
 constexpr unsigned kLongestGap = 2, kBrakePeriods = 12, kSilence = 30;
 constexpr unsigned kGonePeriods = 10;  // without a sample: the loop calls that a lost link
 
@@ -48,11 +49,13 @@ class Exchanger {
       auto deadline = std::chrono::steady_clock::now();
       const auto period = std::chrono::nanoseconds(std::llround(1e9 / test_.options.rate_Hz));
       for (unsigned i = 0; i < periods; ++i) {
-        if (!test_.options.stepped) std::this_thread::sleep_until(deadline += period);
-        test_.device.read(input);
-        silent = input.status == ReadStatus::kFresh ? 0 : silent + 1;
+        // A wake-up that is late makes no burst of reads afterwards, which would find nothing new.
+        deadline = std::max(deadline + period, std::chrono::steady_clock::now());
+        if (!test_.options.stepped) std::this_thread::sleep_until(deadline);
+        read();
         tick(i);
         if (!writes) continue;
+        if (must_end_force()) end_force();
         ++command.sequence;
         test_.device.write(command);
       }
@@ -77,6 +80,21 @@ class Exchanger {
     run(periods);
     return input.sample.state;
   }
+  void read() {
+    test_.device.read(input);
+    const bool is_fresh = input.status == ReadStatus::kFresh;
+    fresh += is_fresh;
+    silent = is_fresh ? 0 : silent + 1;
+  }
+  // Ten periods without a sample, as in a run.
+  bool must_end_force() {
+    lost = lost || (silent >= kGonePeriods && command.wanted == DeviceState::kForce);
+    return lost;
+  }
+  void end_force() {
+    command.wanted = DeviceState::kBrake;
+    command.wrench = {};
+  }
   // As long as a command may be on its way, its answer, and the steps of a start.
   unsigned patience() const {
     return 8 + 2 * static_cast<unsigned>(std::lround(test_.device.properties().delay_s * test_.options.rate_Hz));
@@ -90,12 +108,18 @@ class Exchanger {
     command.rearm = 0;
     run(patience());
   }
+  std::string silence() const {
+    const std::string why = test_.trouble ? test_.trouble() : std::string();
+    return "the device sends no samples, or few" + (why.empty() ? why : ": " + why);
+  }
   // IDLE without fault; an empty line, or why not.
   std::string settle() {
+    lost = false;
     command.wrench = {};
     command.rearm = 0;
+    fresh = 0;
     if (want(DeviceState::kIdle, patience()) == DeviceState::kBrake) rearm();
-    if (silent >= kGonePeriods) return "the device sends no samples";
+    if (fresh < kLeastFresh * patience()) return silence();
     if (input.sample.state == DeviceState::kIdle && input.sample.device_fault == 0) return {};
     return fmt::format("the device is in {}; {}", hal::name_of(input.sample.state),
                        hal::describe_device_fault(input.sample.device_fault));
@@ -104,7 +128,8 @@ class Exchanger {
   DeviceUnderTest& test_;
   haptics::DeviceInput input;
   haptics::DeviceCommand command;
-  unsigned silent{0};  // periods without a sample, in a row
+  unsigned silent{0}, fresh{0};  // periods without a sample, in a row; those with one, counted by who resets it
+  bool lost{false};              // samples did not come while FORCE was wanted; until the next settle()
   loop::SetupReport setup;
 };
 
@@ -123,19 +148,19 @@ std::string state_line(const haptics::DeviceSample& sample) {
 
 Finding check_samples(Exchanger& x) {
   const auto periods = static_cast<unsigned>(kQuiet_s * x.test_.options.rate_Hz);
-  unsigned fresh = 0, gap = 0, longest = 0;
+  unsigned longest = 0;
   x.command.wanted = DeviceState::kIdle;
-  x.run(periods, [&](unsigned) {
-    const bool is_fresh = x.input.status == ReadStatus::kFresh;
-    fresh += is_fresh;
-    gap = is_fresh ? 0 : gap + 1;
-    longest = std::max(longest, gap);
-  });
-  const double share = fresh / static_cast<double>(periods);
-  Finding finding = judged(share >= kMinFresh && longest <= kLongestGap,
+  x.silent = x.fresh = 0;
+  x.run(periods, [&](unsigned) { longest = std::max(longest, x.silent); });
+  const double share = x.fresh / static_cast<double>(periods);
+  const bool judges = x.test_.options.judge_timing;
+  const double least = judges ? kMinFresh : kLeastFresh;
+  const std::string why = x.test_.trouble && share < kLeastFresh ? x.test_.trouble() : std::string();
+  Finding finding = judged(share >= least && (longest <= kLongestGap || !judges),
                            fmt::format("{:.3f} % fresh of {}, longest gap {}", 100 * share, periods, longest),
-                           fmt::format("{:.1f} % fresh, gaps of {} at most", 100 * kMinFresh, kLongestGap),
-                           "samples are missing: look at the bus, its load and the host's");
+                           fmt::format("{:.1f} % fresh, {}", 100 * least,
+                                       judges ? fmt::format("gaps of {} at most", kLongestGap) : "gaps are not judged"),
+                           "samples are missing: " + (why.empty() ? "look at the bus, its load and the host's" : why));
   finding.figures = {{"fresh_share", share}, {"longest_gap_periods", static_cast<double>(longest)}};
   return finding;
 }
@@ -147,8 +172,9 @@ Finding check_round_trip(Exchanger& x) {
   });
   const auto allowed =
       1 + static_cast<std::uint64_t>(std::lround(x.test_.device.properties().delay_s * x.test_.options.rate_Hz));
-  Finding finding = judged(most <= allowed, fmt::format("{} periods at most", most),
-                           fmt::format("{}: the description's delay and one", allowed),
+  const bool judges = x.test_.options.judge_timing;
+  Finding finding = judged(most <= allowed || !judges, fmt::format("{} periods at most", most),
+                           fmt::format("{}: the description's delay and one{}", allowed, judges ? "" : ", not judged"),
                            "longer than described: raise transport_delay_ticks, or find what delays");
   finding.figures = {{"round_trip_periods", static_cast<double>(most)}};
   return finding;
@@ -168,8 +194,14 @@ Finding check_enable(Exchanger& x) {
                 "FORCE when it is wanted, IDLE when it is", "it was in " + seen);
 }
 
+// FORCE, from which the checks below begin; empty, or why it is not there.
+std::string enter_force(Exchanger& x) {
+  if (x.want(DeviceState::kForce, x.patience()) == DeviceState::kForce) return {};
+  return "it is not in FORCE before: " + state_line(x.input.sample);
+}
+
 Finding check_brake(Exchanger& x) {
-  x.want(DeviceState::kForce, x.patience());
+  if (const std::string why = enter_force(x); !why.empty()) return bad(why);
   unsigned until_brake = 0;
   x.command.wanted = DeviceState::kBrake;
   x.run(x.patience(), [&](unsigned i) {
@@ -185,7 +217,7 @@ Finding check_brake(Exchanger& x) {
 }
 
 Finding check_not_finite(Exchanger& x) {
-  x.want(DeviceState::kForce, x.patience());
+  if (const std::string why = enter_force(x); !why.empty()) return bad(why);
   x.command.wrench.force.x = std::numeric_limits<double>::quiet_NaN();
   x.run(1);
   x.command.wrench = {};
@@ -195,7 +227,7 @@ Finding check_not_finite(Exchanger& x) {
 }
 
 Finding check_watchdog(Exchanger& x) {
-  x.want(DeviceState::kForce, x.patience());
+  if (const std::string why = enter_force(x); !why.empty()) return bad(why);
   unsigned until_brake = 0;
   x.run(
       kSilence,
@@ -219,6 +251,10 @@ struct Push {
   haptics::DeviceSample sample;  // the first with a fault, or else the last
 };
 
+void keep(Push& push, const haptics::DeviceSample& sample) {
+  if (push.sample.device_fault == 0) push.sample = sample;
+}
+
 // All pushes in one exchange: a drive that hears nothing while a thread starts would end its force by itself.
 std::array<Push, 3> push_along_axes(Exchanger& x) {
   const auto push_periods = static_cast<unsigned>(kPush_s * x.test_.options.rate_Hz);
@@ -237,12 +273,13 @@ std::array<Push, 3> push_along_axes(Exchanger& x) {
       before = position;
       return;
     }
+    if (x.input.sample.device_fault != 0) return keep(push, x.input.sample);
     const double share = 1 - std::abs(2.0 * (i % each - rest) / push_periods - 1);  // up and down
     x.command.wrench.force = direction * (x.test_.options.force_N * share);
     const double way = dot(position - before, direction);
     push.most = std::max(push.most, way);
     push.backwards = std::max(push.backwards, -way);
-    if (push.sample.device_fault == 0) push.sample = x.input.sample;
+    keep(push, x.input.sample);
   });
   return pushes;
 }
@@ -251,7 +288,7 @@ Finding check_force(Exchanger& x) {
   std::string measured;
   for (const Push& push : push_along_axes(x)) {
     measured += fmt::format("{}{:.2f} mm", measured.empty() ? "" : ", ", 1e3 * push.most);
-    if (push.sample.device_fault != 0 ||
+    if (push.sample.device_fault != 0 || push.sample.state != DeviceState::kForce ||
         push.backwards > push.most + 2 * x.test_.device.properties().position_quantum_m)
       return judged(false, measured, "no fault, and the tool follows the force",
                     fmt::format("{:.2f} mm against the force; {}", 1e3 * push.backwards, state_line(push.sample)));
@@ -276,11 +313,25 @@ Finding run_allowed(Exchanger& x, const Check& check, const SuiteRequest& reques
   if ((check.needs & kForce) != 0 && x.test_.options.force_N <= 0) return skipped("it moves the tool: give --force N");
   if (const std::string why = x.settle(); !why.empty()) return bad(why);
   Finding finding = run_one(x, check);
+  for (const hal::NotChecked& one : x.test_.not_checked)
+    if (one.check == check.name) finding.unseen = one.what;
+  if (x.lost) {
+    finding.verdict = Verdict::kBad;
+    finding.reason = "the force was ended after ten periods in a row without a sample: " + x.silence();
+  }
   if (const std::string why = x.settle(); !why.empty() && finding.verdict == Verdict::kGood) {
     finding.verdict = Verdict::kBad;
     finding.reason = "afterwards " + why;
   }
   return finding;
+}
+
+// IDLE, or BRAKE where it does not get there or sends nothing. Says which, and why.
+std::string leave(Exchanger& x, bool motors_allowed) {
+  const std::string why = x.settle();
+  if (why.empty()) return hal::name_of(x.input.sample.state);
+  x.want(motors_allowed ? DeviceState::kBrake : DeviceState::kIdle, x.patience());
+  return fmt::format("{}: {}", hal::name_of(x.input.sample.state), why);
 }
 
 }  // namespace
@@ -303,6 +354,7 @@ SuiteReport run_device_suite(DeviceUnderTest& under_test, const SuiteRequest& re
     if (hooks.done) hooks.done(one);
     report.checks.push_back(std::move(one));
   }
+  report.left_in = leave(exchanger, request.motors_allowed);
   report.setup = exchanger.setup;
   return report;
 }
