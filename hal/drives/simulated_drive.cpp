@@ -41,11 +41,25 @@ void SimulatedDrive::report_fault(std::uint32_t code) noexcept {
   fault_ = code;
 }
 
-double SimulatedDrive::torque_Nm(double speed_rad_per_s) const noexcept {
-  if (braked_) return -axis_.brake_damping_Nms_per_rad * speed_rad_per_s;
-  if (!enabled_) return 0;
-  const double torque = torque_ - damping_ * speed_rad_per_s;
-  return std::clamp(torque, -axis_.torque_range_Nm, axis_.torque_range_Nm);
+double DriveLaw::at(const DriveAxis& axis, double speed_rad_per_s) const noexcept {
+  if (braked) return -axis.brake_damping_Nms_per_rad * speed_rad_per_s;
+  if (!enabled) return 0;
+  const double torque = torque_Nm - damping_Nms_per_rad * speed_rad_per_s;
+  return std::clamp(torque, -axis.torque_range_Nm, axis.torque_range_Nm);
+}
+
+bool SimulatedDrive::is_meant_by(const DriveFrame& frame) const noexcept {
+  switch (family_) {
+    case DriveFamily::kRobStride:
+      return frame.extended && (frame.id & 0xffu) == axis_.id;
+    case DriveFamily::kMoteus:
+      return frame.extended && (frame.id & 0x7fffu) == axis_.id;
+    case DriveFamily::kOdrive:
+      return !frame.extended && frame.id >> 5 == axis_.id;
+    default:
+      return !frame.extended && (frame.id == axis_.id || (family_ == DriveFamily::kDamiao && frame.id == 0x7ff &&
+                                                          frame.size >= 2 && u16_at(frame, 0) == axis_.id));
+  }
 }
 
 void SimulatedDrive::advance(double time_s) noexcept {

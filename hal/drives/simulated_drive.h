@@ -18,6 +18,17 @@ struct DriveShaft {
   double position_rad{0}, speed_rad_per_s{0};
 };
 
+// What a drive makes of its last command, until the next one.
+struct DriveLaw {
+  bool enabled{false}, braked{false};
+  double torque_Nm{0}, damping_Nms_per_rad{0};
+
+  // On the shaft of this axis at this speed.
+  double at(const DriveAxis& axis, double speed_rad_per_s) const noexcept;
+  // The part of it that was commanded, without the damping.
+  double commanded_Nm() const noexcept { return enabled ? torque_Nm : 0; }
+};
+
 class SimulatedDrive {
  public:
   SimulatedDrive(DriveFamily family, const DriveAxis& axis) noexcept;
@@ -28,11 +39,13 @@ class SimulatedDrive {
   void advance(double time_s) noexcept;
   bool send_cyclic(const DriveShaft& shaft, DriveFrame& frame) noexcept;
 
+  DriveLaw law() const noexcept { return {enabled_, braked_, torque_, damping_}; }
   // N m on the shaft at this speed.
-  double torque_Nm(double speed_rad_per_s) const noexcept;
-  // The part of it that was commanded, without the damping.
-  double commanded_Nm() const noexcept { return enabled_ ? torque_ : 0; }
+  double torque_Nm(double speed_rad_per_s) const noexcept { return law().at(axis_, speed_rad_per_s); }
+  double commanded_Nm() const noexcept { return law().commanded_Nm(); }
   bool enabled() const noexcept { return enabled_; }
+  // A command to this drive, and not another's answer or another drive's command.
+  bool is_meant_by(const DriveFrame& frame) const noexcept;
 
   // --- faults by command
   void report_fault(std::uint32_t code) noexcept;  // of the family; it is disabled
