@@ -54,6 +54,7 @@ class SimulatedDrive {
   void keep_no_watchdog() noexcept { watchdog_works_ = false; }
   void set_watchdog(double time_s) noexcept { timeout_s_ = time_s; }       // ODrive, as by its maker's tool
   void set_timeout_mode(unsigned mode) noexcept { timeout_mode_ = mode; }  // moteus
+  void set_start(double time_s) noexcept { start_s_ = time_s; }            // moteus, from stopped to position mode
   void set_serial(std::uint32_t serial) noexcept { serial_ = serial; }     // RobStride, moteus: another drive
   void wrap_position(double by_rad) noexcept { wrapped_by_ = by_rad; }
   void saturate_speed(bool on) noexcept { speed_saturates_ = on; }
@@ -72,12 +73,16 @@ class SimulatedDrive {
 
   DriveFamily family_;
   DriveAxis axis_;
+  DriveFrame moteus_answer(DriveFrame reply, const DriveShaft& shaft) const noexcept;
+  void take_moteus_mode(const DriveFrame& frame) noexcept;
+
   bool enabled_{false}, braked_{false}, timed_out_{false}, watchdog_works_{true}, speed_saturates_{false};
   std::uint32_t fault_{0};
   double torque_{0}, damping_{0}, wrapped_by_{0};
   double timeout_s_{0}, silent_s_{0};  // timeout 0: off
   std::uint32_t control_mode_{2};      // as a Damiao may come from its maker: not MIT
   unsigned timeout_mode_{15};
+  double start_s_, starts_in_s_{0};  // moteus: to position mode, and what is left of it; 0: it is not on its way
   std::uint32_t serial_{0xabcd0000u};
   bool text_waits_{false};  // of a moteus' console
   double estimate_due_s_{0}, heartbeat_due_s_{0};
