@@ -14,11 +14,14 @@ namespace tactus::hal {
 namespace {
 
 constexpr unsigned kFamilyShift = 8, kCodeShift = 12;
+constexpr std::uint32_t kLargestCode = (kOfHost >> kCodeShift) - 1;
 constexpr std::uint32_t kNeverEnabled = 0x80;  // in the place of a DriveMode
 
 constexpr std::uint32_t compose(std::uint32_t number, DriveFamily family, std::uint32_t code) noexcept {
   return number | (static_cast<std::uint32_t>(family) + 1) << kFamilyShift | code << kCodeShift;
 }
+
+constexpr std::uint32_t code_of(std::uint32_t fault) noexcept { return fault >> kCodeShift & kLargestCode; }
 
 struct CodeWords {
   std::uint32_t code;
@@ -76,7 +79,7 @@ FamilyCodes codes_of(DriveFamily family) noexcept {
 
 std::uint32_t drive_fault_of(unsigned axis, DriveFamily family, std::uint32_t code) noexcept {
   const std::uint32_t kept =
-      codes_of(family).bits ? static_cast<std::uint32_t>(std::countr_zero(code)) + 1 : code & 0xfffffu;
+      codes_of(family).bits ? static_cast<std::uint32_t>(std::countr_zero(code)) + 1 : code & kLargestCode;
   return compose(kDriveReportsFault + axis, family, kept);
 }
 
@@ -123,14 +126,14 @@ std::string describe_drive_fault(std::uint32_t fault) {
     std::string said = "a fault";
     if (const std::uint32_t family = fault >> kFamilyShift & 0xfu; family >= 1 && family <= kDriveFamilies) {
       const auto of = static_cast<DriveFamily>(family - 1);
-      const std::uint32_t kept = fault >> kCodeShift;
+      const std::uint32_t kept = code_of(fault);
       const bool bit = codes_of(of).bits && kept >= 1 && kept <= 32;
       said = "a fault: " + describe_drive_code(of, bit ? 1u << (kept - 1) : kept);
     }
     return fmt::format("the drive of axis {} reports {}; mend what it names, by the maker's manual, then re-arm",
                        number - kDriveReportsFault, said);
   }
-  if (in(kDriveLeftForce)) return describe_left_force(number - kDriveLeftForce, fault >> kCodeShift);
+  if (in(kDriveLeftForce)) return describe_left_force(number - kDriveLeftForce, code_of(fault));
   if (fault != number) return {};
   if (in(kDriveSilent))
     return fmt::format("the drive of axis {} does not answer; look at its cable and supply, then re-arm",

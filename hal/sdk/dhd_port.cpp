@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "hal/host_states.h"
+#include "hal/sdk/sdk_faults.h"
 #include "rt/base/rotation_axes.h"
 
 namespace tactus::hal {
@@ -146,7 +146,7 @@ SdkResult DhdPort::exchange(const Wrenchd& wrench, SdkState& state) noexcept {
     state.device_from_tool.rotation = {turn.w, axis.x, axis.y, axis.z};
   }
   state.buttons = f_.dhdGetButtonMask(id);
-  if (forces_ && status[kForceOn] == 0) state.fault = number_of(firmware::Fault::kMotorBus);
+  if (forces_ && status[kForceOn] == 0) state.fault = kSdkForcesOff;
   const bool whole = is_finite(state.device_from_tool);
   return got == kTimeGuard ? SdkResult::kOld : whole ? SdkResult::kFresh : SdkResult::kError;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hal/device_words.h"
+#include "hal/sdk/sdk_faults.h"
 #include "rt/base/clock.h"
 
 namespace tactus::hal {
@@ -228,8 +229,7 @@ void SdkWorker::exchange() noexcept {
   const SdkResult result = call_port(wrench, answer.state);
   answer.fresh = result == SdkResult::kFresh;
   // Where forces were not asked for, it says nothing that they are off; where they were and the library refused, all.
-  if (wants && reported_ == 0)
-    reported_ = answer.state.fault != 0 ? answer.state.fault : forces_ ? 0 : number_of(firmware::Fault::kMotorBus);
+  if (wants && reported_ == 0) reported_ = answer.state.fault != 0 ? answer.state.fault : forces_ ? 0 : kSdkForcesOff;
   answer.state.fault = reported_;
   lost_ = answer.fresh ? 0 : std::min(lost_ + 1, kGone);
   gone_.store(result == SdkResult::kGone || lost_ >= kGone, std::memory_order_relaxed);

@@ -6,9 +6,8 @@
 // that stopped. It does so when it ends, too, and at once when the library reports a fault. The age of a sample is the
 // time that an exchange takes, measured at the start, and a period: properties().delay_s, for the gain check. A call
 // that takes longer: no fresh sample, and the loop fades. No call for kGone periods: disconnected.
-// Faults: 1 commands lost, 4 not finite (firmware/faults.h), 5 the device switched its forces off, and those of
-// sdk_faults.h. Thread: start(), destructor [setup]; read(), write() [rt]: atomic exchanges of values, no lock, no
-// system call.
+// Faults: 1 commands lost, 4 not finite (firmware/faults.h), and those of sdk_faults.h. Thread: start(), destructor
+// [setup]; read(), write() [rt]: atomic exchanges of values, no lock, no system call.
 #pragma once
 
 #include <array>
