@@ -30,10 +30,18 @@ struct DeviceRequest {
   std::uint64_t seed{1};
 };
 
+// What cannot be seen through a device, by the check of `tactus hil` that comes nearest to it.
+struct NotChecked {
+  std::string check;
+  std::string what;
+};
+
 struct OpenedDevice {
   std::unique_ptr<AnyDevice> device;
-  std::string identity;                 // as text, for the summary; empty: nothing to tell
-  std::function<Status()> same_device;  // compares the device with the one opened; null: it cannot change
+  std::string identity;                    // as text, for the summary; empty: nothing to tell
+  std::function<Status()> same_device{};   // compares the device with the one opened; null: it cannot change
+  std::vector<NotChecked> not_checked{};   // for `tactus hil`
+  std::function<std::string()> trouble{};  // why no samples come, as a half line; empty or null: nothing is known
 };
 
 struct OpenedLink {

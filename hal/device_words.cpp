@@ -6,6 +6,8 @@
 
 #include "firmware/faults.h"
 #include "hal/drives/drive_faults.h"
+#include "hal/falcon/falcon_faults.h"
+#include "hal/host_faults.h"
 #include "hal/sdk/sdk_faults.h"
 
 namespace tactus::hal {
@@ -64,11 +66,13 @@ std::string name_of(haptics::DeviceState state) {
 
 std::string describe_device_fault(std::uint32_t number) {
   if (number == 0) return {};
-  if (const std::string drive = describe_drive_fault(number); !drive.empty())
-    return fmt::format("device fault {}: {}", number_of_drive_fault(number), drive);
-  if (const std::string library = describe_sdk_fault(number); !library.empty())
-    return fmt::format("device fault {}: {}", number, library);
-  return fmt::format("device fault {}: {}", number, words_of(static_cast<firmware::Fault>(number)));
+  const auto told = [number](std::string_view words) {
+    return fmt::format("device fault {}: {}", shown_fault(number), words);
+  };
+  if ((number & kOfHost) == 0) return told(words_of(static_cast<firmware::Fault>(number)));
+  if (const std::string drive = describe_drive_fault(number); !drive.empty()) return told(drive);
+  if (const std::string library = describe_sdk_fault(number); !library.empty()) return told(library);
+  return told(describe_falcon_fault(number));
 }
 
 std::string describe_device_limits(std::uint32_t limits) {

@@ -1,4 +1,5 @@
-// Texts for the faults and limits that a device reports by number (firmware/faults.h), with what to do about them.
+// Texts for the faults and limits that a device reports by number (firmware/faults.h, host_faults.h), with what to do
+// about them.
 //
 // Thread: normal. A number that this program does not know is printed as a number.
 #pragma once

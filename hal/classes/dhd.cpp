@@ -4,6 +4,7 @@
 
 #include <charconv>
 
+#include "hal/classes/of_library.h"
 #include "hal/device_class.h"
 #include "hal/sdk/dhd_port.h"
 #include "hal/sdk/sdk_device.h"
@@ -53,7 +54,7 @@ Result<OpenedDevice> open_with(std::unique_ptr<DhdLibrary> library, std::optiona
   std::string identity = port.value()->identity();
   auto device = SdkDevice::start(std::move(port).value(), period_ns);
   if (!device.ok()) return device.status();
-  return OpenedDevice{std::make_unique<AnyDevice>(std::move(device).value()), std::move(identity), {}};
+  return opened_library(std::move(device).value(), std::move(identity));
 }
 
 Result<OpenedDevice> open(const DeviceRequest& request) {

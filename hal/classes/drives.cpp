@@ -39,6 +39,25 @@ std::vector<std::string> takes(std::string_view address, const DeviceDescription
   return address.empty() ? description.drives.buses : interfaces_of(address);
 }
 
+std::string watchdog_of(const DriveDescription& drives) {
+  switch (drives.family) {
+    case DriveFamily::kDamiao:
+    case DriveFamily::kRobStride:
+      return fmt::format("the drives' own, {:g} ms, were written and read back, nothing provokes them",
+                         1e3 * drives.watchdog_s);
+    case DriveFamily::kMoteus:
+    case DriveFamily::kOdrive:
+      return "the drives' own were provoked when the arm was opened";
+    default:
+      return "the drives' own can neither be read nor provoked: set them with the maker's tool";
+  }
+}
+
+std::vector<NotChecked> not_checked_of(const DriveDescription& drives) {
+  return {{"round-trip", "no drive echoes a number: an answer counts as one to the newest command"},
+          {"watchdog", "what brakes here is this program; " + watchdog_of(drives)}};
+}
+
 Result<OpenedDevice> open(const DeviceRequest& request) {
   if (Status status = check_drives(request); !status.ok()) return status;
   const DriveDescription& drives = request.profile.description.drives;
@@ -58,7 +77,7 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
     return opened.ok() ? compare_drives(drives, opened.value(), identities) : opened.status();
   };
   return OpenedDevice{std::make_unique<AnyDevice>(std::move(arm)), fmt::format("{}", fmt::join(identities, ", ")),
-                      same_device};
+                      same_device, not_checked_of(drives)};
 }
 
 // The faults of a script that a bus of drives can have, on all drives at once.
@@ -99,7 +118,10 @@ Result<OpenedDevice> open_simulated(const DeviceRequest& request) {
   if (!arm.ok()) return arm.status();
   for (const DriveFault& fault : faults.value()) arm.value()->world().inject(fault);
   std::string identity = "simulated: " + arm.value()->identity();
-  return OpenedDevice{std::make_unique<AnyDevice>(std::move(arm).value()), std::move(identity), {}};
+  return OpenedDevice{std::make_unique<AnyDevice>(std::move(arm).value()),
+                      std::move(identity),
+                      {},
+                      not_checked_of(request.profile.description.drives)};
 }
 
 }  // namespace

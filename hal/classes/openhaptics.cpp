@@ -1,6 +1,7 @@
 // openhaptics[:FOLDER[,NAME]]: a 3D Systems Touch, Touch X or Phantom through the maker's library HD that its user has
 // installed; NAME as the maker's setup program calls the device. Its properties are its own: a description has no
 // effect.
+#include "hal/classes/of_library.h"
 #include "hal/device_class.h"
 #include "hal/sdk/hd_port.h"
 #include "hal/sdk/sdk_device.h"
@@ -38,7 +39,7 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
   std::string identity = port.value()->identity();
   auto device = SdkDevice::start(std::move(port).value(), request.period_ns);
   if (!device.ok()) return device.status();
-  return OpenedDevice{std::make_unique<AnyDevice>(std::move(device).value()), std::move(identity), {}};
+  return opened_library(std::move(device).value(), std::move(identity));
 }
 
 }  // namespace

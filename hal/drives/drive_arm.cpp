@@ -13,8 +13,15 @@ using haptics::DeviceState;
 using haptics::ReadStatus;
 
 constexpr unsigned kSilentPeriods = 10, kEnablingPeriods = 20;
+constexpr double kLongestStart_s = 0.05;  // of a drive that tells that it starts; a moteus takes 10 to 15 ms
 // An answer belongs to this period if it is younger than this many periods.
 constexpr double kFreshPeriods = 1.5;
+
+bool is_enabled(const DriveAnswer& answer) noexcept { return !answer.has_mode || answer.mode == DriveMode::kEnabled; }
+
+bool is_on(DriveMode mode) noexcept {
+  return mode == DriveMode::kEnabled || mode == DriveMode::kStarting || mode == DriveMode::kOther;
+}
 
 }  // namespace
 
@@ -26,7 +33,8 @@ DriveArm::DriveArm(const DeviceProfile& profile, std::int64_t period_ns, DriveBu
       max_effort_(profile.plant.max_effort),
       period_ns_(period_ns),
       buses_(std::move(buses)),
-      count_(static_cast<unsigned>(drives_.axes.size())) {
+      count_(static_cast<unsigned>(drives_.axes.size())),
+      longest_start_(static_cast<unsigned>(std::lround(kLongestStart_s * 1e9 / static_cast<double>(period_ns)))) {
   properties_.delay_s = static_cast<double>(profile.transport_delay_ticks) * static_cast<double>(period_ns) * 1e-9;
   const double share = std::min(1.0, static_cast<double>(period_ns) * 1e-9 / drives_.full_effort_s);
   for (unsigned i = 0; i < count_; ++i) {
@@ -133,26 +141,34 @@ AxisVector DriveArm::coordinates() const noexcept {
 void DriveArm::watch_drives() noexcept {
   if (step_ == Step::kIdle)  // the command that disabled it was lost
     for (const Axis& axis : axes_)
-      to_disable_ = to_disable_ || (axis.answered && axis.answer.has_mode && axis.answer.mode == DriveMode::kEnabled);
+      to_disable_ = to_disable_ || (axis.answered && axis.answer.has_mode && is_on(axis.answer.mode));
   if (step_ != Step::kForce && step_ != Step::kEnabling) return;
-  bool all_enabled = true;
   for (unsigned i = 0; i < count_; ++i) {
     const Axis& axis = axes_[i];
     if (axis.answer.has_mode && axis.answer.fault != 0)
       return brake(drive_fault_of(i, drives_.family, axis.answer.fault));
     if (axis.silent_periods >= kSilentPeriods) return brake(kDriveSilent + i);
-    const bool enabled = !axis.answer.has_mode || axis.answer.mode == DriveMode::kEnabled;
-    if (step_ == Step::kForce && !enabled && axis.answered) return brake(kDriveLeftForce + i);
+    if (step_ == Step::kForce && !is_enabled(axis.answer) && axis.answered)
+      return brake(drive_left_force(i, drives_.family, axis.answer.mode));
     if (step_ == Step::kForce && lacks_torque(i)) return brake(kDriveLacksTorque + i);
-    all_enabled = all_enabled && enabled;
   }
-  if (step_ != Step::kEnabling) return;
+  if (step_ == Step::kEnabling) watch_enabling();
+}
+
+// FORCE is told when each drive has taken the command; torque is sent when each makes some.
+void DriveArm::watch_enabling() noexcept {
+  bool all_enabled = true, all_taken = true;
+  for (unsigned i = 0; i < count_; ++i) {
+    const bool enabled = is_enabled(axes_[i].answer);
+    all_enabled = all_enabled && enabled;
+    all_taken = all_taken && (enabled || axes_[i].answer.mode == DriveMode::kStarting);
+  }
+  if (all_taken) states_.enter(DeviceState::kForce);
   if (all_enabled) {
     step_ = Step::kForce;
-    states_.enter(DeviceState::kForce);
-  } else if (++enabling_periods_ > kEnablingPeriods) {
+  } else if (++enabling_periods_ > (all_taken ? longest_start_ : kEnablingPeriods)) {
     for (unsigned i = 0; i < count_; ++i)
-      if (axes_[i].answer.mode != DriveMode::kEnabled) return brake(kDriveLeftForce + i);
+      if (!is_enabled(axes_[i].answer)) return brake(drive_never_enabled(i, drives_.family));
   }
 }
 
@@ -167,7 +183,8 @@ bool DriveArm::lacks_torque(unsigned i) noexcept {
 // Host-side watchdog: the drives' own acts when this process does not.
 void DriveArm::watch_commands() noexcept {
   if (states_.missed() == 0) return;
-  if (states_.commands_lost() && step_ == Step::kForce) brake(number_of(firmware::Fault::kCommandsLost));
+  if (states_.commands_lost() && (step_ == Step::kForce || step_ == Step::kEnabling))
+    brake(number_of(firmware::Fault::kCommandsLost));
   send_step(share_after(states_.missed()));
 }
 

@@ -5,6 +5,8 @@
 // smallest transport delay is one tick.
 //   IDLE   the drives are disabled and polled      FORCE  torque, and damping in the drive
 //   BRAKE  no torque, brake damping, as long as the host lives; then the drives' own watchdogs
+// A drive that takes some periods to enable (moteus) gives FORCE without torque until all are enabled. One that was
+// enabled and tells another mode brakes the arm.
 // When write() is not called: from the third period on the last efforts fade, with the tenth the arm brakes (fault 1).
 // When the process dies: the drives hold the last torque until their watchdog, at most 10 ms; therefore efforts are
 // limited in slope (DriveDescription::full_effort_s).
@@ -68,6 +70,7 @@ class DriveArm {
   void take(unsigned bus, const ReceivedDriveFrame& received) noexcept;
   haptics::ReadStatus status_of_period() noexcept;
   void watch_drives() noexcept;
+  void watch_enabling() noexcept;
   bool lacks_torque(unsigned axis) noexcept;
   void watch_commands() noexcept;
   void choose_step() noexcept;
@@ -90,7 +93,7 @@ class DriveArm {
   HostStates states_{haptics::DeviceState::kReset};
   AxisVector q_{};
   Step step_{Step::kIdle};
-  unsigned enabling_periods_{0};
+  unsigned enabling_periods_{0}, longest_start_;  // periods
   std::uint64_t periods_{0};
   bool malformed_{false}, to_disable_{false};
   DriveArmCounters counters_;

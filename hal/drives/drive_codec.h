@@ -30,7 +30,15 @@ struct DriveCommand {
   bool round_up{false};
 };
 
-enum class DriveMode : std::uint8_t { kUnknown = 0, kDisabled = 1, kEnabled = 2, kFaulted = 3, kTimedOut = 4 };
+enum class DriveMode : std::uint8_t {
+  kUnknown = 0,
+  kDisabled = 1,
+  kEnabled = 2,
+  kFaulted = 3,
+  kTimedOut = 4,
+  kStarting = 5,  // on its way from disabled to enabled: no torque yet
+  kOther = 6,     // enabled in a mode that is not the one of torque commands, such as a brake
+};
 
 struct DriveAnswer {
   bool has_position{false}, has_mode{false};

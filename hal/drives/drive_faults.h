@@ -1,25 +1,30 @@
-// Faults that an arm of drives reports, by number; firmware/faults.h has the numbers below 32. Never reused.
+// Faults that an arm of drives reports, by number (hal/host_faults.h).
 //
-// A fault of kDriveReportsFault carries what the drive said: bits 0 to 7 are the number, bits 8 to 11 the family plus
-// one, bits 12 on the family's code. Of error bits it is the lowest one's position plus one.
+// Those of kDriveReportsFault and kDriveLeftForce carry what the drive said: bits 0 to 7 are the number, bits 8 to 11
+// the family plus one, bits 12 to 30 the family's code, or the mode. Of error bits it is the lowest one's position plus
+// one.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
-#include "hal/drives/drive_axis.h"
+#include "hal/drives/drive_codec.h"
+#include "hal/host_faults.h"
 
 namespace tactus::hal {
 
-inline constexpr std::uint32_t kDriveReportsFault = 32;  // + axis, 0 to 5: the drive reports a fault
-inline constexpr std::uint32_t kDriveLeftForce = 40;     // + axis: it is not enabled any more
-inline constexpr std::uint32_t kDriveSilent = 48;        // + axis: no answer for ten periods
-inline constexpr std::uint32_t kDriveLacksTorque = 56;   // + axis: it answers, but makes no torque
+inline constexpr std::uint32_t kDriveReportsFault = kOfHost | 32;  // + axis, 0 to 5: the drive reports a fault
+inline constexpr std::uint32_t kDriveLeftForce = kOfHost | 40;     // + axis: it is not enabled any more, or was never
+inline constexpr std::uint32_t kDriveSilent = kOfHost | 48;        // + axis: no answer for ten periods
+inline constexpr std::uint32_t kDriveLacksTorque = kOfHost | 56;   // + axis: it answers, but makes no torque
 
+// kDriveLeftForce + axis, with the mode that the drive tells; and one that was not enabled in time.
+std::uint32_t drive_left_force(unsigned axis, DriveFamily family, DriveMode told) noexcept;
+std::uint32_t drive_never_enabled(unsigned axis, DriveFamily family) noexcept;
 // kDriveReportsFault + axis, with the code of the drive.
 std::uint32_t drive_fault_of(unsigned axis, DriveFamily family, std::uint32_t code) noexcept;
-// The number alone, without what a drive said.
-constexpr std::uint32_t number_of_drive_fault(std::uint32_t fault) noexcept { return fault & 0xffu; }
+// One of the four above, plus axis, without what a drive said.
+constexpr std::uint32_t number_of_drive_fault(std::uint32_t fault) noexcept { return fault & (kOfHost | 0xffu); }
 
 // "status 10, over-current", "error bits 0x800, its watchdog": the drive's own code, in words where they are known.
 std::string describe_drive_code(DriveFamily family, std::uint32_t code);

@@ -17,10 +17,11 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr milliseconds kListen{20};      // for drives that talk unasked
-constexpr milliseconds kSilence{15};     // provokes a watchdog of kLongestWatchdog_s
-constexpr milliseconds kHeartbeat{250};  // an ODrive's comes every 100 ms
-constexpr milliseconds kFeed{1};         // between the commands that keep an ODrive's watchdog quiet
+constexpr milliseconds kListen{20};        // for drives that talk unasked
+constexpr milliseconds kSilence{15};       // provokes a watchdog of kLongestWatchdog_s
+constexpr milliseconds kHeartbeat{250};    // an ODrive's comes every 100 ms
+constexpr milliseconds kFeed{1};           // between the commands that keep a watchdog quiet
+constexpr milliseconds kMoteusStart{100};  // from stopped to position mode: 10 to 15 ms
 
 enum class Purpose : std::uint8_t { kPrepare, kCompare };
 
@@ -225,8 +226,27 @@ Status read(Talk& talk, MoteusRegister number, std::int32_t& value) {
   return answered ? Status::good() : talk.error(kSilent);
 }
 
+// Fed until it is in position mode: before, its watchdog does not count, and a time-out of an earlier run tells
+// nothing.
+Status start_moteus(Talk& talk) {
+  DriveAnswer answer;
+  talk.tell(DriveAction::kDisable);
+  talk.be_silent(milliseconds(2));
+  for (milliseconds waited{0}; waited < kMoteusStart; waited += kFeed) {
+    talk.tell(DriveAction::kEnable);  // without torque
+    if (!talk.sample(kDriveAnswer, answer, true)) return talk.error(kSilent);
+    if (answer.mode == DriveMode::kEnabled) return Status::good();
+    if (answer.mode == DriveMode::kFaulted) return talk.reports(answer.fault, "mend what it names");
+    talk.be_silent(kFeed);
+  }
+  return talk.error("does not go into position mode; look at it with the maker's tool");
+}
+
 Status provoke_moteus_watchdog(Talk& talk) {
-  talk.tell(DriveAction::kEnable);  // without torque
+  if (Status status = start_moteus(talk); !status.ok()) {
+    talk.tell(DriveAction::kDisable);
+    return status;
+  }
   talk.be_silent(kSilence);
   talk.tell(DriveAction::kPoll);
   DriveAnswer answer;

@@ -114,7 +114,9 @@ bool for_each_reply(const DriveFrame& frame, F&& value) noexcept {
 DriveMode mode_of(int number) noexcept {
   if (number == kMoteusFault) return DriveMode::kFaulted;
   if (number == kMoteusTimedOut) return DriveMode::kTimedOut;
-  return number == kMoteusStopped ? DriveMode::kDisabled : DriveMode::kEnabled;
+  if (number == kMoteusStopped) return DriveMode::kDisabled;
+  if (number >= kMoteusFirstStart && number <= kMoteusLastStart) return DriveMode::kStarting;
+  return number == kMoteusPosition ? DriveMode::kEnabled : DriveMode::kOther;
 }
 
 struct Values {

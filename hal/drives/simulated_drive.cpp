@@ -7,6 +7,7 @@
 namespace tactus::hal {
 namespace {
 
+constexpr double kMoteusStart_s = 0.012, kMoteusGateDriver_s = 0.002;  // the second: of the first, in mode 2
 constexpr double kOdriveTimeout_s = 0.01, kEstimateEvery_s = 0.001, kHeartbeatEvery_s = 0.1;
 
 std::uint32_t pack(double value, double range, double top) noexcept {
@@ -19,7 +20,8 @@ bool is_special(const DriveFrame& frame) noexcept {
 
 }  // namespace
 
-SimulatedDrive::SimulatedDrive(DriveFamily family, const DriveAxis& axis) noexcept : family_(family), axis_(axis) {
+SimulatedDrive::SimulatedDrive(DriveFamily family, const DriveAxis& axis) noexcept
+    : family_(family), axis_(axis), start_s_(kMoteusStart_s) {
   restart();
 }
 
@@ -33,7 +35,7 @@ void SimulatedDrive::restart() noexcept {
 
 void SimulatedDrive::disable() noexcept {
   enabled_ = braked_ = timed_out_ = false;
-  torque_ = damping_ = 0;
+  torque_ = damping_ = starts_in_s_ = 0;
 }
 
 void SimulatedDrive::report_fault(std::uint32_t code) noexcept {
@@ -41,17 +43,35 @@ void SimulatedDrive::report_fault(std::uint32_t code) noexcept {
   fault_ = code;
 }
 
-double SimulatedDrive::torque_Nm(double speed_rad_per_s) const noexcept {
-  if (braked_) return -axis_.brake_damping_Nms_per_rad * speed_rad_per_s;
-  if (!enabled_) return 0;
-  const double torque = torque_ - damping_ * speed_rad_per_s;
-  return std::clamp(torque, -axis_.torque_range_Nm, axis_.torque_range_Nm);
+double DriveLaw::at(const DriveAxis& axis, double speed_rad_per_s) const noexcept {
+  if (braked) return -axis.brake_damping_Nms_per_rad * speed_rad_per_s;
+  if (!enabled) return 0;
+  const double torque = torque_Nm - damping_Nms_per_rad * speed_rad_per_s;
+  return std::clamp(torque, -axis.torque_range_Nm, axis.torque_range_Nm);
+}
+
+bool SimulatedDrive::is_meant_by(const DriveFrame& frame) const noexcept {
+  switch (family_) {
+    case DriveFamily::kRobStride:
+      return frame.extended && (frame.id & 0xffu) == axis_.id;
+    case DriveFamily::kMoteus:
+      return frame.extended && (frame.id & 0x7fffu) == axis_.id;
+    case DriveFamily::kOdrive:
+      return !frame.extended && frame.id >> 5 == axis_.id;
+    default:
+      return !frame.extended && (frame.id == axis_.id || (family_ == DriveFamily::kDamiao && frame.id == 0x7ff &&
+                                                          frame.size >= 2 && u16_at(frame, 0) == axis_.id));
+  }
 }
 
 void SimulatedDrive::advance(double time_s) noexcept {
   silent_s_ += time_s;
   estimate_due_s_ -= time_s;
   heartbeat_due_s_ -= time_s;
+  if (starts_in_s_ > 0) {
+    starts_in_s_ -= time_s;
+    enabled_ = starts_in_s_ <= 0;
+  }
   if (!enabled_ || !watchdog_works_ || timeout_s_ <= 0 || silent_s_ < timeout_s_) return;
   disable();
   timed_out_ = true;
@@ -254,28 +274,48 @@ bool SimulatedDrive::hear_moteus(const DriveFrame& frame, const DriveShaft& shaf
     reply.put_u32(frame.data[1] == 0x0c ? 2u : 0u);
     return true;
   }
-  if (frame.size >= 3 && frame.data[0] == 0x01 && frame.data[1] == 0x00) {  // writes the mode
-    const std::uint8_t mode = frame.data[2];
-    silent_s_ = 0;
-    if (mode == 0 || mode == 15) {
-      disable();
-      if (mode == 0) fault_ = 0;
-      braked_ = mode == 15;
-    } else if (mode == 10 && fault_ == 0 && !timed_out_) {  // a time-out is left by mode 0 alone
-      enabled_ = true;
-      braked_ = false;
-      torque_ = static_cast<double>(f32_at(frame, 8));
-      damping_ = u16_at(frame, 16) / 32767.0 * axis_.damping_range_Nms_per_rad;
-      timeout_s_ = u16_at(frame, 20) * 1e-3;
-    }
-  }
-  const std::uint8_t mode = fault_ != 0 ? 1 : timed_out_ ? 11 : braked_ ? 15 : enabled_ ? 10 : 0;
+  reply = moteus_answer(reply, shaft);  // of the state before the command
+  if (frame.size >= 3 && frame.data[0] == 0x01 && frame.data[1] == 0x00) take_moteus_mode(frame);
+  return true;
+}
+
+DriveFrame SimulatedDrive::moteus_answer(DriveFrame reply, const DriveShaft& shaft) const noexcept {
+  const bool calibrates = starts_in_s_ > 0 && starts_in_s_ <= start_s_ - kMoteusGateDriver_s;
+  const std::uint8_t mode = fault_ != 0        ? 1
+                            : timed_out_       ? 11
+                            : calibrates       ? 3
+                            : starts_in_s_ > 0 ? 2
+                            : braked_          ? 15
+                            : enabled_         ? 10
+                                               : 0;
   reply.put({0x21, 0x00, mode, 0x2f, 0x01});
   reply.put_f32(static_cast<float>(seen_position(shaft) / kTurn_rad));
   reply.put_f32(static_cast<float>(seen_speed(shaft) / kTurn_rad));
   reply.put_f32(static_cast<float>(torque_Nm(shaft.speed_rad_per_s)));
   reply.put({0x21, 0x0f, static_cast<std::uint8_t>(fault_)});
-  return true;
+  return reply;
+}
+
+// A fault and a time-out are left by mode 0 alone; from there to position mode it takes some time.
+void SimulatedDrive::take_moteus_mode(const DriveFrame& frame) noexcept {
+  const std::uint8_t mode = frame.data[2];
+  silent_s_ = 0;
+  if (mode == 0) {
+    disable();
+    fault_ = 0;
+  } else if (fault_ != 0 || timed_out_) {
+    return;
+  } else if (mode == 15) {
+    disable();
+    braked_ = true;
+  } else if (mode == 10) {
+    if (!enabled_ && !braked_ && starts_in_s_ <= 0) starts_in_s_ = start_s_;
+    enabled_ = enabled_ || braked_;  // from one mode with current to another at once
+    braked_ = false;
+    torque_ = static_cast<double>(f32_at(frame, 8));
+    damping_ = u16_at(frame, 16) / 32767.0 * axis_.damping_range_Nms_per_rad;
+    timeout_s_ = u16_at(frame, 20) * 1e-3;
+  }
 }
 
 // --- ODrive

@@ -18,6 +18,17 @@ struct DriveShaft {
   double position_rad{0}, speed_rad_per_s{0};
 };
 
+// What a drive makes of its last command, until the next one.
+struct DriveLaw {
+  bool enabled{false}, braked{false};
+  double torque_Nm{0}, damping_Nms_per_rad{0};
+
+  // On the shaft of this axis at this speed.
+  double at(const DriveAxis& axis, double speed_rad_per_s) const noexcept;
+  // The part of it that was commanded, without the damping.
+  double commanded_Nm() const noexcept { return enabled ? torque_Nm : 0; }
+};
+
 class SimulatedDrive {
  public:
   SimulatedDrive(DriveFamily family, const DriveAxis& axis) noexcept;
@@ -28,11 +39,13 @@ class SimulatedDrive {
   void advance(double time_s) noexcept;
   bool send_cyclic(const DriveShaft& shaft, DriveFrame& frame) noexcept;
 
+  DriveLaw law() const noexcept { return {enabled_, braked_, torque_, damping_}; }
   // N m on the shaft at this speed.
-  double torque_Nm(double speed_rad_per_s) const noexcept;
-  // The part of it that was commanded, without the damping.
-  double commanded_Nm() const noexcept { return enabled_ ? torque_ : 0; }
+  double torque_Nm(double speed_rad_per_s) const noexcept { return law().at(axis_, speed_rad_per_s); }
+  double commanded_Nm() const noexcept { return law().commanded_Nm(); }
   bool enabled() const noexcept { return enabled_; }
+  // A command to this drive, and not another's answer or another drive's command.
+  bool is_meant_by(const DriveFrame& frame) const noexcept;
 
   // --- faults by command
   void report_fault(std::uint32_t code) noexcept;  // of the family; it is disabled
@@ -41,6 +54,7 @@ class SimulatedDrive {
   void keep_no_watchdog() noexcept { watchdog_works_ = false; }
   void set_watchdog(double time_s) noexcept { timeout_s_ = time_s; }       // ODrive, as by its maker's tool
   void set_timeout_mode(unsigned mode) noexcept { timeout_mode_ = mode; }  // moteus
+  void set_start(double time_s) noexcept { start_s_ = time_s; }            // moteus, from stopped to position mode
   void set_serial(std::uint32_t serial) noexcept { serial_ = serial; }     // RobStride, moteus: another drive
   void wrap_position(double by_rad) noexcept { wrapped_by_ = by_rad; }
   void saturate_speed(bool on) noexcept { speed_saturates_ = on; }
@@ -59,12 +73,16 @@ class SimulatedDrive {
 
   DriveFamily family_;
   DriveAxis axis_;
+  DriveFrame moteus_answer(DriveFrame reply, const DriveShaft& shaft) const noexcept;
+  void take_moteus_mode(const DriveFrame& frame) noexcept;
+
   bool enabled_{false}, braked_{false}, timed_out_{false}, watchdog_works_{true}, speed_saturates_{false};
   std::uint32_t fault_{0};
   double torque_{0}, damping_{0}, wrapped_by_{0};
   double timeout_s_{0}, silent_s_{0};  // timeout 0: off
   std::uint32_t control_mode_{2};      // as a Damiao may come from its maker: not MIT
   unsigned timeout_mode_{15};
+  double start_s_, starts_in_s_{0};  // moteus: to position mode, and what is left of it; 0: it is not on its way
   std::uint32_t serial_{0xabcd0000u};
   bool text_waits_{false};  // of a moteus' console
   double estimate_due_s_{0}, heartbeat_due_s_{0};

@@ -1,5 +1,6 @@
 #include "hal/falcon/falcon_logic.h"
 
+#include "hal/falcon/falcon_faults.h"
 #include "hal/kinematics/reach.h"
 
 namespace tactus::hal {
@@ -39,7 +40,7 @@ void FalconLogic::read(const FalconState* fresh, bool connected, std::uint64_t e
   input.status = connected ? ReadStatus::kMissing : ReadStatus::kDisconnected;
   if (fresh != nullptr && connected) {
     homed_ = fresh->homed == kAllHomed;
-    if (!homed_ && pushes) states_.brake(number_of(firmware::Fault::kEncoder));
+    if (!homed_ && pushes) states_.brake(kFalconNotHomed);
     AxisVector q{};
     for (unsigned i = 0; i < 3; ++i)
       q[i] = DeltaArm::kZeroCount_rad + fresh->counts[i] * DeltaArm::kCount_rad - DeltaArm::centre_angle();

@@ -1,10 +1,14 @@
 #include "hal/falcon/falcon_usb.h"
 
+#include <fmt/format.h>
 #include <libusb.h>
 
 #include <algorithm>
 #include <array>
 #include <string>
+#include <vector>
+
+#include "hal/usb/usb_port.h"
 
 namespace tactus::hal {
 namespace {
@@ -16,31 +20,73 @@ Status refused(const char* what, int error) {
   return Status::error(std::string("--device falcon: ") + what + " (" + libusb_error_name(error) + ")");
 }
 
+// The Falcons on the bus with their ports; the devices are held until the end.
+struct Falcons {
+  explicit Falcons(libusb_context* context) {
+    const ssize_t count = libusb_get_device_list(context, &list);
+    for (ssize_t i = 0; i < count; ++i) {
+      libusb_device_descriptor descriptor{};
+      if (libusb_get_device_descriptor(list[i], &descriptor) != 0) continue;
+      if (descriptor.idVendor != FalconUsb::kVendor || descriptor.idProduct != FalconUsb::kProduct) continue;
+      found.push_back({list[i], usb_port_of(list[i])});
+    }
+    std::sort(found.begin(), found.end(), [](const Falcon& a, const Falcon& b) { return a.port < b.port; });
+  }
+  ~Falcons() {
+    if (list != nullptr) libusb_free_device_list(list, 1);
+  }
+  Falcons(const Falcons&) = delete;
+  Falcons& operator=(const Falcons&) = delete;
+
+  std::string ports() const {
+    std::string text;
+    for (const Falcon& falcon : found) text += (text.empty() ? "" : ", ") + falcon.port;
+    return text;
+  }
+
+  struct Falcon {
+    libusb_device* device;
+    std::string port;
+  };
+  libusb_device** list{nullptr};
+  std::vector<Falcon> found;
+};
+
 }  // namespace
 
-Result<std::unique_ptr<FalconPort>> FalconUsb::open() {
-  std::unique_ptr<FalconUsb> port(new FalconUsb());
-  if (const int error = libusb_init(&port->context_); error != 0) return refused("USB cannot be used", error);
-  libusb_device** list = nullptr;
-  const ssize_t count = libusb_get_device_list(port->context_, &list);
-  int error = LIBUSB_ERROR_NO_DEVICE;
-  for (ssize_t i = 0; i < count && port->handle_ == nullptr; ++i) {
-    libusb_device_descriptor descriptor{};
-    if (libusb_get_device_descriptor(list[i], &descriptor) != 0) continue;
-    if (descriptor.idVendor == kVendor && descriptor.idProduct == kProduct)
-      error = libusb_open(list[i], &port->handle_);
-  }
-  if (list != nullptr) libusb_free_device_list(list, 1);
+Status FalconUsb::choose(const std::string& port) {
+  const Falcons falcons(context_);
+  if (falcons.found.empty()) return refused("no Falcon (0403:cb48) is plugged in", LIBUSB_ERROR_NO_DEVICE);
+  if (port.empty() && falcons.found.size() > 1)
+    return Status::error(
+        fmt::format("--device falcon: {} Falcons are plugged in, at the USB ports {}; say which: falcon:@{}, or behind "
+                    "the firmware "
+                    "and the gain",
+                    falcons.found.size(), falcons.ports(), falcons.found.front().port));
+  const auto chosen = std::find_if(falcons.found.begin(), falcons.found.end(),
+                                   [&port](const auto& one) { return port.empty() || one.port == port; });
+  if (chosen == falcons.found.end())
+    return Status::error(
+        fmt::format("--device falcon: no Falcon is plugged into USB port {}; accepted: where there is one: {}", port,
+                    falcons.ports()));
+  port_ = chosen->port;
+  const int error = libusb_open(chosen->device, &handle_);
   if (error == LIBUSB_ERROR_ACCESS)
     return refused(
         "this user may not use the Falcon; add a udev rule: SUBSYSTEM==\"usb\", ATTR{idVendor}==\"0403\", "
         "ATTR{idProduct}==\"cb48\", TAG+=\"uaccess\", and plug it in again",
         error);
-  if (error != 0) return refused("no Falcon (0403:cb48) is plugged in", error);
-  (void)libusb_set_auto_detach_kernel_driver(port->handle_, 1);  // ftdi_sio, where it has taken the device
-  if (error = libusb_claim_interface(port->handle_, kInterface); error != 0)
+  return error == 0 ? Status::good() : refused("the Falcon cannot be opened", error);
+}
+
+Result<std::unique_ptr<FalconUsb>> FalconUsb::open(const std::string& port) {
+  std::unique_ptr<FalconUsb> usb(new FalconUsb());
+  if (const int error = libusb_init(&usb->context_); error != 0) return refused("USB cannot be used", error);
+  if (Status status = usb->choose(port); !status.ok()) return status;
+  (void)libusb_set_auto_detach_kernel_driver(usb->handle_, 1);  // ftdi_sio, where it has taken the device
+  if (const int error = libusb_claim_interface(usb->handle_, kInterface); error != 0)
     return refused("another program uses the Falcon", error);
-  return std::unique_ptr<FalconPort>(std::move(port));
+  return usb;
 }
 
 FalconUsb::~FalconUsb() {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "hal/host_states.h"
+#include "hal/sdk/sdk_faults.h"
 #include "rt/base/rotation_axes.h"
 
 namespace tactus::hal {
@@ -72,8 +72,8 @@ std::string DhdPort::set_expert() {
   std::string missing;
   const auto look = [&missing](bool good, const char* words) { missing += good ? "" : words; };
   look(f_.dhdSetTimeGuard(0, id) == kGood, "; its time guard could not be switched off: samples may be old");
-  look(f_.dhdSetWatchdog != nullptr && f_.dhdSetWatchdog(kWatchdogSteps, id) == kGood,
-       "; its watchdog could not be set to 10 ms: a program that is killed may leave the last force");
+  has_watchdog_ = f_.dhdSetWatchdog != nullptr && f_.dhdSetWatchdog(kWatchdogSteps, id) == kGood;
+  look(has_watchdog_, "; its watchdog could not be set to 10 ms: a program that is killed may leave the last force");
   if (!expert && !missing.empty()) missing += "; the library has no expert mode for it";
   return missing;
 }
@@ -121,6 +121,11 @@ bool DhdPort::enable_forces(bool on) noexcept {
   return on ? forces_ : f_.dhdStop(id) == kGood && zeros != -1;
 }
 
+std::string DhdPort::watchdog() const {
+  return has_watchdog_ ? "the device's own acts after 10 ms, says its library, which set it; nothing provokes it"
+                       : "the device's own could not be set: a program that is killed may leave the last force";
+}
+
 SdkResult DhdPort::exchange(const Wrenchd& wrench, SdkState& state) noexcept {
   const char id = static_cast<char>(id_);
   const Vec3d force = to_library(wrench.force);
@@ -141,7 +146,7 @@ SdkResult DhdPort::exchange(const Wrenchd& wrench, SdkState& state) noexcept {
     state.device_from_tool.rotation = {turn.w, axis.x, axis.y, axis.z};
   }
   state.buttons = f_.dhdGetButtonMask(id);
-  if (forces_ && status[kForceOn] == 0) state.fault = number_of(firmware::Fault::kMotorBus);
+  if (forces_ && status[kForceOn] == 0) state.fault = kSdkForcesOff;
   const bool whole = is_finite(state.device_from_tool);
   return got == kTimeGuard ? SdkResult::kOld : whole ? SdkResult::kFresh : SdkResult::kError;
 }

@@ -29,6 +29,7 @@ class DhdPort final : public SdkPort {
   const haptics::DeviceProperties& properties() const noexcept override { return properties_; }
   SdkResult exchange(const Wrenchd& wrench, SdkState& state) noexcept override;
   bool enable_forces(bool on) noexcept override;
+  std::string watchdog() const override;
 
  private:
   explicit DhdPort(std::unique_ptr<DhdLibrary> library) : library_(std::move(library)), f_(library_->functions()) {}
@@ -41,7 +42,7 @@ class DhdPort final : public SdkPort {
   std::unique_ptr<DhdLibrary> library_;
   const DhdFunctions& f_;
   int id_{-1};
-  bool forces_{false};
+  bool forces_{false}, has_watchdog_{false};
   std::string identity_;
   haptics::DeviceProperties properties_;
 };

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "hal/host_states.h"
 #include "hal/sdk/sdk_faults.h"
 #include "rt/base/rotation_axes.h"
 
@@ -215,6 +214,11 @@ bool HdPort::enable_forces(bool on) noexcept {
   return good;
 }
 
+std::string HdPort::watchdog() const {
+  return "none is known in the device: it keeps its last force while its library is stuck, and may when a program is "
+         "killed";
+}
+
 Status HdPort::start_calls(const SdkCall& call, std::int64_t period_ns) {
   call_ = call;
   period_s_ = 1e-9 * static_cast<double>(period_ns);
@@ -305,7 +309,7 @@ SdkResult HdPort::exchange(const Wrenchd& wrench, SdkState& state) noexcept {
   const double ended_s = time_s();
   const std::uint32_t code = take_error();
   if (!(ended_s >= began_s)) state.fault = kSdkTimeWentBack;
-  if (forces_ && f_.hdIsEnabled(kForceOutput) == 0) state.fault = number_of(firmware::Fault::kMotorBus);
+  if (forces_ && f_.hdIsEnabled(kForceOutput) == 0) state.fault = kSdkForcesOff;
   if (const std::uint32_t fault = fault_of(code); fault != 0) state.fault = fault;
   if (is_gone(state.fault)) return SdkResult::kGone;
   const bool good = believed && code == kGood && state.fault != kSdkTimeWentBack;

@@ -34,6 +34,7 @@ class HdPort final : public SdkPort {
   const haptics::DeviceProperties& properties() const noexcept override { return properties_; }
   SdkResult exchange(const Wrenchd& wrench, SdkState& state) noexcept override;
   bool enable_forces(bool on) noexcept override;
+  std::string watchdog() const override;
   bool has_scheduler() const noexcept override { return true; }
   // Error, one line: the scheduler does not start, or runs at another rate.
   Status start_calls(const SdkCall& call, std::int64_t period_ns) override;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hal/device_words.h"
+#include "hal/sdk/sdk_faults.h"
 #include "rt/base/clock.h"
 
 namespace tactus::hal {
@@ -117,7 +118,29 @@ Status SdkWorker::judge_trials() {
     return Status::error(fmt::format("the library takes {} us for an exchange; accepted: at most {} at this rate",
                                      median_ns / 1000, period_ns_ / 2000));
   properties_.delay_s = 1e-9 * static_cast<double>(period_ns_ + late_ns);
+  ended_ns_.store(MonotonicClock::now_ns(), std::memory_order_relaxed);
   return Status::good();
+}
+
+std::string SdkWorker::trouble() const {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  if (const std::uint32_t fault = told_fault_.load(relaxed); fault != 0) return describe_device_fault(fault);
+  const std::int64_t silent_ns = MonotonicClock::now_ns() - ended_ns_.load(relaxed), took_ns = took_ns_.load(relaxed);
+  if (silent_ns > kGone * period_ns_)
+    return fmt::format("its library makes no exchange since {} ms: it does not return, or calls no more",
+                       silent_ns / 1'000'000);
+  if (took_ns > period_ns_)
+    return fmt::format("its library took {:.1f} ms for an exchange", 1e-6 * static_cast<double>(took_ns));
+  switch (told_.load(relaxed)) {
+    case SdkResult::kOld:
+      return "its library gives the old sample again";
+    case SdkResult::kError:
+      return "its library refuses exchanges, or gives poses that are none";
+    case SdkResult::kGone:
+      return "its library says that the device is not there";
+    default:
+      return {};
+  }
 }
 
 // --- the haptic thread
@@ -177,6 +200,18 @@ void SdkWorker::try_once() noexcept {
   trials_.store(trial + 1, std::memory_order_release);
 }
 
+SdkResult SdkWorker::call_port(const Wrenchd& wrench, SdkState& state) noexcept {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  const std::int64_t began_ns = MonotonicClock::now_ns();
+  const SdkResult result = port_->exchange(wrench, state);
+  const std::int64_t ended_ns = MonotonicClock::now_ns();
+  told_.store(result, relaxed);
+  told_fault_.store(state.fault, relaxed);
+  took_ns_.store(ended_ns - began_ns, relaxed);
+  ended_ns_.store(ended_ns, relaxed);
+  return result;
+}
+
 void SdkWorker::exchange() noexcept {
   if (const Request* request = requests_.take()) {
     newest_ = *request;
@@ -191,11 +226,10 @@ void SdkWorker::exchange() noexcept {
   const Wrenchd wrench =
       forces_ && wants ? Wrenchd{newest_.wrench.force * share, newest_.wrench.torque * share} : Wrenchd{};
   Answer answer;
-  const SdkResult result = port_->exchange(wrench, answer.state);
+  const SdkResult result = call_port(wrench, answer.state);
   answer.fresh = result == SdkResult::kFresh;
   // Where forces were not asked for, it says nothing that they are off; where they were and the library refused, all.
-  if (wants && reported_ == 0)
-    reported_ = answer.state.fault != 0 ? answer.state.fault : forces_ ? 0 : number_of(firmware::Fault::kMotorBus);
+  if (wants && reported_ == 0) reported_ = answer.state.fault != 0 ? answer.state.fault : forces_ ? 0 : kSdkForcesOff;
   answer.state.fault = reported_;
   lost_ = answer.fresh ? 0 : std::min(lost_ + 1, kGone);
   gone_.store(result == SdkResult::kGone || lost_ >= kGone, std::memory_order_relaxed);

@@ -6,14 +6,14 @@
 // that stopped. It does so when it ends, too, and at once when the library reports a fault. The age of a sample is the
 // time that an exchange takes, measured at the start, and a period: properties().delay_s, for the gain check. A call
 // that takes longer: no fresh sample, and the loop fades. No call for kGone periods: disconnected.
-// Faults: 1 commands lost, 4 not finite (firmware/faults.h), 5 the device switched its forces off, and those of
-// sdk_faults.h. Thread: start(), destructor [setup]; read(), write() [rt]: atomic exchanges of values, no lock, no
-// system call.
+// Faults: 1 commands lost, 4 not finite (firmware/faults.h), and those of sdk_faults.h. Thread: start(), destructor
+// [setup]; read(), write() [rt]: atomic exchanges of values, no lock, no system call.
 #pragma once
 
 #include <array>
 #include <atomic>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "hal/host_states.h"
@@ -42,6 +42,9 @@ class SdkWorker {
   const haptics::DeviceProperties& properties() const noexcept { return properties_; }
   void read(haptics::DeviceInput& input) noexcept;
   void write(const haptics::DeviceCommand& command) noexcept;
+  // [normal] Why no samples come, as a half line; empty: nothing is known.
+  std::string trouble() const;
+  std::string watchdog() const { return port_->watchdog(); }
 
  private:
   struct Request {
@@ -63,6 +66,7 @@ class SdkWorker {
   void called() noexcept;
   void work() noexcept;
   void try_once() noexcept;
+  SdkResult call_port(const Wrenchd& wrench, SdkState& state) noexcept;
   void exchange() noexcept;
   void finish() noexcept;
 
@@ -87,6 +91,10 @@ class SdkWorker {
   SdkResult trial_result_{SdkResult::kError};
   std::atomic<unsigned> trials_{0};
   std::atomic<bool> stop_{false}, finished_{false}, gone_{false};
+  // Of the newest exchange, for trouble().
+  std::atomic<SdkResult> told_{SdkResult::kFresh};
+  std::atomic<std::uint32_t> told_fault_{0};
+  std::atomic<std::int64_t> ended_ns_{0}, took_ns_{0};
   loop::RealtimeThread thread_;  // declared last: it uses the other members
 };
 
@@ -106,6 +114,9 @@ class SdkDevice {
   const haptics::DeviceProperties& properties() const noexcept { return worker_->properties(); }
   void read(haptics::DeviceInput& input) noexcept { worker_->read(input); }
   void write(const haptics::DeviceCommand& command) noexcept { worker_->write(command); }
+  // [normal] As of SdkWorker.
+  std::string trouble() const { return worker_->trouble(); }
+  std::string watchdog() const { return worker_->watchdog(); }
 
  private:
   explicit SdkDevice(std::unique_ptr<SdkWorker> worker) noexcept : worker_(std::move(worker)) {}

@@ -4,6 +4,8 @@
 // Thread: one owner, whose calls may wait for the bus. Frame: the device's. Units: SI.
 #pragma once
 
+#include <string>
+
 #include "rt/base/result.h"
 #include "rt/haptics/device.h"
 
@@ -35,6 +37,8 @@ class SdkPort {
   // Sends a wrench and takes a state, in the order that the library wants. The fault counts whatever the result is.
   virtual SdkResult exchange(const Wrenchd& wrench, SdkState& state) noexcept = 0;
   virtual bool enable_forces(bool on) noexcept = 0;  // off: brakes, where the device has some. False: refused
+  // What ends the force when this program or its library stops, as a half line.
+  virtual std::string watchdog() const = 0;
 
   // A library that makes its exchanges on a thread of its own has a scheduler: `call` runs there, once a period, from
   // start_calls() to the end of stop_calls(); exchange() and enable_forces() are then called in it. Others are called

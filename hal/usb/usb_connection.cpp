@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "hal/printable.h"
+#include "hal/usb/usb_port.h"
 
 namespace tactus::hal {
 namespace {
@@ -22,13 +23,6 @@ std::string ids(const UsbSelection& selection) {
   char text[16];
   std::snprintf(text, sizeof text, "%04x:%04x", selection.vendor, selection.product);
   return text;
-}
-
-std::string port_of(libusb_device* device) {
-  std::array<std::uint8_t, 8> ports{};
-  const int count = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
-  return fmt::format("{}-{}", libusb_get_bus_number(device),
-                     fmt::join(ports.begin(), ports.begin() + std::max(count, 0), "."));
 }
 
 const char* speed_of(libusb_device* device) {
@@ -97,7 +91,7 @@ std::string interface_problem(const Interface& interface) {
 UsbDeviceInfo look_at(libusb_device* device, const libusb_device_descriptor& descriptor, const UsbSelection& selection,
                       libusb_device_handle*& handle, Interface& interface) {
   UsbDeviceInfo info;
-  info.port = port_of(device);
+  info.port = usb_port_of(device);
   info.speed = speed_of(device);
   info.release = descriptor.bcdDevice;
   interface = find_interface(device);

@@ -62,16 +62,19 @@ struct OnDrives {
   void write(const DeviceCommand& command) noexcept { device->write(command); }
   Vec3d force() const { return device->world().commanded_wrench().force; }
   double least_force_N() const { return Description::kLeast_N; }
+  unsigned start_periods() const { return Description::kStartPeriods; }
 };
 
 struct MitPointArm {
   static DeviceDescription make() { return test::point_arm_of(DriveFamily::kDamiao); }
   // An enabled MIT drive has no zero torque: half a quantum of 3 N m / 4095 on each axis, 2:1, 0.16 m.
   static constexpr double kLeast_N = 1.8 * 2 * 3.0 / 4095 / 0.16;
+  static constexpr unsigned kStartPeriods = 0;
 };
 struct MoteusWristedArm {
   static DeviceDescription make() { return test::wristed_arm_of_moteus(); }
   static constexpr double kLeast_N = 0;
+  static constexpr unsigned kStartPeriods = 20;  // 12 ms of the drives, and full_effort_s
 };
 using PointArmOnMitDrives = OnDrives<MitPointArm>;
 using WristedArmOnMoteus = OnDrives<MoteusWristedArm>;
@@ -91,6 +94,15 @@ double least_force_N(const D& device) {
     return device.least_force_N();
   else
     return 0.0;
+}
+
+// Periods in FORCE before its motors give force, where they have to start.
+template <class D>
+unsigned start_periods(const D& device) {
+  if constexpr (requires { device.start_periods(); })
+    return device.start_periods();
+  else
+    return 0;
 }
 
 // A host that speaks to it once a period.
@@ -218,7 +230,8 @@ TEMPLATE_TEST_CASE("A device: force appears at the mechanism as it was sent, in 
     host.command.wrench.force = direction * force_N;
     host.state_after(DeviceState::kIdle);
     CHECK(norm(host.device.force()) == 0.0);
-    host.state_after(DeviceState::kForce);
+    CHECK(host.state_after(DeviceState::kForce) == DeviceState::kForce);
+    host.ticks(start_periods(host.device));
     CHECK(norm(host.device.force() - host.command.wrench.force) < 0.02 * force_N);
     host.state_after(DeviceState::kBrake);
     CHECK(norm(host.device.force()) <= least_force_N(host.device));
@@ -260,6 +273,7 @@ TEMPLATE_TEST_CASE("A device: when commands stop, the force is gone in ten perio
   CHECK(norm(host.device.force()) <= least_force_N(host.device));
   host.rearm();
   CHECK(host.input.sample.state == DeviceState::kForce);
+  host.ticks(start_periods(host.device));
   CHECK(norm(host.device.force()) > 0.9 * host.some_force_N());
 }
 

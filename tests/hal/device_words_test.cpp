@@ -1,9 +1,14 @@
 #include "hal/device_words.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <set>
 
+#include "hal/drives/drive_faults.h"
+#include "hal/falcon/falcon_faults.h"
 #include "hal/printable.h"
+#include "hal/sdk/sdk_faults.h"
 
 using namespace tactus;
 using namespace tactus::hal;
@@ -21,6 +26,39 @@ TEST_CASE("every fault of a device has its number, words of its own and what to 
   CHECK(words.size() == 9);
   CHECK(describe_device_fault(0).empty());
   CHECK_THAT(describe_device_fault(63), Contains("device fault 63: this program does not know it"));
+}
+
+TEST_CASE("a number on tactus' own wire has the words of that wire alone, one of the host the words of its class") {
+  for (std::uint32_t number = 1; number <= 0xffff; ++number) {  // all that the wire can carry
+    const std::string text = describe_device_fault(number);
+    REQUIRE_THAT(text, Contains(fmt::format("device fault {}: ", number)));
+    REQUIRE_THAT(text, !Contains("drive of axis") && !Contains("its library"));
+    REQUIRE(text.ends_with("this program does not know it; see the device's manual, clear it, then re-arm") ==
+            (number > 9));
+  }
+  for (const auto& [fault, number, words] :
+       {std::tuple{kDriveLeftForce + 1, 41, "the drive of axis 1"},
+        {drive_fault_of(2, DriveFamily::kMoteus, 34), 34,
+         "the drive of axis 2 reports a fault: fault 34, over-voltage"},
+        {drive_left_force(5, DriveFamily::kMoteus, DriveMode::kTimedOut), 45, "its watchdog acted"},
+        {kDriveSilent, 48, "does not answer"},
+        {kDriveLacksTorque, 56, "without the torque"},
+        {kFalconNotHomed, 80, "pull the grip out"},
+        {kSdkTooFast, 100, "its library says that the arm moved too fast"},
+        {kSdkForcesOff, 106, "its library switched the forces off"}}) {
+    CHECK(shown_fault(fault) == static_cast<std::uint32_t>(number));
+    CHECK_THAT(describe_device_fault(fault),
+               Contains(fmt::format("device fault {}: ", number)) && Contains(words) && Contains("re-arm"));
+  }
+}
+
+TEST_CASE("no number from outside is taken for one of the host's") {
+  for (const std::uint32_t number : {0u, 1u, 40u, 0xffffu, kOfHost - 1, kOfHost, kOfHost | 40u, 0xffffffffu}) {
+    const std::uint32_t kept = without_host_bit(number);
+    CHECK((kept & kOfHost) == 0);
+    CHECK((kept == 0) == (number == 0));
+    if (number < kOfHost) CHECK(kept == number);
+  }
 }
 
 TEST_CASE("limits that hold back all force are told by number and in words, cuts of an effort are not") {

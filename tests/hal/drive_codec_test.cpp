@@ -239,6 +239,17 @@ TEST_CASE("moteus: answers, short and extended identifiers, error sub-frames") {
   CHECK((answer_of(moteus, answer_frame).mode == DriveMode::kFaulted && answer_of(moteus, answer_frame).fault == 33));
   answer_frame.data[2] = 11;
   CHECK(answer_of(moteus, answer_frame).mode == DriveMode::kTimedOut);
+  for (const auto& [mode, is] : {std::pair{0, DriveMode::kDisabled},
+                                 {2, DriveMode::kStarting},
+                                 {3, DriveMode::kStarting},
+                                 {4, DriveMode::kStarting},
+                                 {9, DriveMode::kOther},
+                                 {12, DriveMode::kOther},
+                                 {13, DriveMode::kOther},
+                                 {15, DriveMode::kOther}}) {
+    answer_frame.data[2] = static_cast<std::uint8_t>(mode);
+    CHECK(answer_of(moteus, answer_frame).mode == is);
+  }
 
   DriveAxis ninth = kMoteus;
   ninth.id = 9;

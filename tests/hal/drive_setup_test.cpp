@@ -67,6 +67,38 @@ TEST_CASE("drives: one without a working watchdog is refused, where that can be 
   }
 }
 
+TEST_CASE("drives: a moteus that still is in a time-out, with a watchdog that does not act any more, is refused") {
+  const DeviceDescription d = point_arm_of(DriveFamily::kMoteus);
+  SimulatedDrives world(drive_profile(d), HandModel(), kDrivePeriod_ns);
+  const DriveBuses buses = world.make_buses();
+  for (int i = 0; i < 20; ++i) {  // an earlier program, which was killed
+    world.hear(0, codec_of(d.drives.family).encode(d.drives.axes[1], {.action = DriveAction::kEnable}));
+    world.advance();
+  }
+  for (int i = 0; i < 20; ++i) world.advance();
+  world.restart_clock();
+  CHECK(prepare_drives(d.drives, buses).ok());
+  for (int i = 0; i < 20; ++i) {
+    world.hear(0, codec_of(d.drives.family).encode(d.drives.axes[1], {.action = DriveAction::kEnable}));
+    world.advance();
+  }
+  for (int i = 0; i < 20; ++i) world.advance();
+  world.restart_clock();
+  world.drive(1).keep_no_watchdog();
+  CHECK_THAT(prepare_drives(d.drives, buses).message(), Contains("axis 1") && Contains("its watchdog did not act"));
+}
+
+TEST_CASE("drives: a moteus that takes 30 ms to position mode is prepared, one that does not get there is refused") {
+  const DeviceDescription d = point_arm_of(DriveFamily::kMoteus);
+  SimulatedDrives world(drive_profile(d), HandModel(), kDrivePeriod_ns);
+  const DriveBuses buses = world.make_buses();
+  world.drive(1).set_start(0.03);
+  CHECK(prepare_drives(d.drives, buses).message().empty());
+  world.drive(1).set_start(1);
+  CHECK_THAT(prepare_drives(d.drives, buses).message(), Contains("axis 1") && Contains("into position mode"));
+  CHECK_FALSE(world.drive(1).enabled());
+}
+
 TEST_CASE("drives: a drive that restarted has lost its watchdog, and is found out before force comes back") {
   for (const DriveFamily family : {DriveFamily::kDamiao, DriveFamily::kRobStride}) {
     CAPTURE(codec_of(family).name);
@@ -124,7 +156,10 @@ TEST_CASE("drives: a drive's own code is kept with its fault, in words where the
   CHECK_THAT(words(DriveFamily::kDamiao, 0xa), Contains("axis 4 reports a fault: status 10, over-current"));
   CHECK_THAT(words(DriveFamily::kCubeMars, 5), Contains("error 5, encoder"));
   CHECK_THAT(words(DriveFamily::kRobStride, 0x10), Contains("fault bits 0x10, stall or Hall"));
-  CHECK_THAT(words(DriveFamily::kMoteus, 39), Contains("fault 39;"));
+  for (std::uint32_t code = 32; code <= 48; ++code)  // those of the maker's reference
+    CHECK_THAT(words(DriveFamily::kMoteus, code), Contains("fault " + std::to_string(code) + ", "));
+  CHECK_THAT(words(DriveFamily::kMoteus, 39), Contains("started outside of servopos.position_min"));
+  CHECK_THAT(words(DriveFamily::kMoteus, 49), Contains("fault 49;"));
   CHECK_THAT(words(DriveFamily::kOdrive, 0x800), Contains("error bits 0x800, its watchdog"));
   CHECK_THAT(words(DriveFamily::kOdrive, 1u << 31), Contains("error bits 0x80000000;"));
 }

@@ -7,6 +7,7 @@
 
 #include "firmware/faults.h"
 #include "hal/falcon/falcon_device.h"
+#include "hal/falcon/falcon_faults.h"
 #include "hal/falcon/simulated_falcon.h"
 
 using namespace tactus;
@@ -142,7 +143,7 @@ TEST_CASE("falcon: a homed bit that goes latches a fault, and force comes back b
   bench.device.port().faults.homed = 3;
   bench.ticks(3);
   CHECK(bench.input.sample.state == DeviceState::kBrake);
-  CHECK(bench.input.sample.device_fault == static_cast<std::uint32_t>(firmware::Fault::kEncoder));
+  CHECK(bench.input.sample.device_fault == kFalconNotHomed);
   CHECK(norm(bench.device.force()) == 0);
   bench.rearm();
   CHECK(bench.input.sample.state == DeviceState::kBrake);  // not homed yet

@@ -1,4 +1,6 @@
 // Whole runs on arms of drives: the same scene, the same loop, the drives' faults.
+#include <nlohmann/json.hpp>
+
 #include "hal/device_words.h"
 #include "tests/system/session_bench.h"
 
@@ -56,6 +58,8 @@ TEST_CASE("drives: a lost bus and a restarted drive latch a fault, in words, and
     CHECK(summary.stats.faults[0].tick < 850);
     const std::uint32_t said = summary.stats.faults[0].device_fault;
     if (*inject == 'f') CHECK_THAT(hal::describe_device_fault(said), Contains("is not enabled any more"));
+    const nlohmann::json report = to_json(summary);
+    CHECK(report["faults"][0]["device_fault"] == said % 256);  // the number alone, without the family and its code
     CHECK(session->driver->output().fault == Fault::kNone);
     CHECK((session->driver->output().status & kNotArmed) == 0);
   }

@@ -73,7 +73,7 @@ void run_child(std::span<const long> allowed, Counts& counts) {
   REQUIRE(firmware::make_realtime(70, -1).empty());
   const hal::DeviceProfile profile = point_arm();
   std::atomic<bool> stop{false};
-  vm::DrivePeer peer(profile, hal::HandModel(), 1000, {"vcan0"});
+  vm::WholeArm peer(profile, hal::HandModel(), 1000, {"vcan0"});
   std::thread drives([&] {
     (void)firmware::make_realtime(90, -1);
     while (!stop.load()) peer.run_period();

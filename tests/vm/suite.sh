@@ -10,14 +10,14 @@ side_by_side=(debian usb can fd)
 declare -A scenarios_of=(
   [usb]='drivers user:usb programs:usb faults:usb recovery:usb hostile:usb house:usb hil:usb falcon:usb'
   [can]='user:can programs:can faults:can recovery:can hostile:can house:can hil:can arms:can'
-  [fd]='programs:can-fd faults:can-fd recovery:can-fd hostile:can-fd hil:can-fd arms:can-fd own_device:can-fd gpio_hands'
+  [fd]='programs:can-fd faults:can-fd recovery:can-fd hostile:can-fd hil:can-fd arms:can-fd own_device:can-fd gpio_hands libraries'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
 # With --quick: each scenario once, on one of the links.
 declare -A quick_scenarios_of=(
   [usb]='drivers user:usb programs:usb house:usb falcon:usb'
   [can]='faults:can hil:can arms:can'
-  [fd]='recovery:can-fd hostile:can-fd own_device:can-fd gpio_hands'
+  [fd]='recovery:can-fd hostile:can-fd own_device:can-fd gpio_hands libraries'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
 guest_tools=(candump cansend cangen)
@@ -39,7 +39,8 @@ run_guest() {
   mkdir -p "$scratch/root/etc"
   : >"$logs/vm-$name.log"
   for file in "$build/tools/tactus" "$build"/tests/vm/{bench_device,bench_drives,bench_falcon,ask_device} \
-    "$build"/firmware/boards/tactus_device_{usb,can} "$build/tests/device_in_c/device_can_fd" $(guest_programs); do
+    "$build"/firmware/boards/tactus_device_{usb,can} "$build/tests/device_in_c/device_can_fd" \
+    "$build"/tests/libtactus_stand_in_{dhd,hd}.so $(guest_programs); do
     add_file "$file"
   done
   for file in "${guest_tools[@]}"; do add_file "$(command -v "$file")"; done

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "hal/host_faults.h"
 #include "rt/base/denormals.h"
 #include "tools/export/body_frames.h"
 #include "tools/export/sink.h"
@@ -165,6 +166,7 @@ class Exporter {
     if (time_s < options_.from_s || time_s >= options_.to_s) return Status::good();
     ++report_.rows;
     waiting_ = Row{tick, {}};
+    waiting_->tick.device.sample.device_fault = hal::shown_fault(tick.device.sample.device_fault);
     return frames_ && frames_->due(tick) ? write_frame(frames_->frame(tick)) : Status::good();
   }
 

@@ -26,6 +26,7 @@ struct Finding {
   std::string threshold;  // limit it was compared with
   std::string reason;     // why bad or skipped
   std::vector<Figure> figures;
+  std::string unseen{};  // what of it the device cannot show; empty: nothing
 };
 
 Finding bad(std::string reason, std::string threshold = {});

@@ -1,11 +1,13 @@
 // The suite for devices that do not speak firmware/PROTOCOL.md (an arm of drives, a maker's own class): what every
 // device must do, asked through HapticDevice alone (hal/README.md, "What a device must do").
 //
-// Zero force throughout, unless the operator allows pushes. The device is left in IDLE. Thread: normal; in real time
-// the exchange runs on a thread of its own, set up as asked.
+// Zero force throughout, unless the operator allows pushes. As in a run, the force ends and BRAKE is wanted when
+// samples do not come for ten periods, or the device reports a fault. The device is left in IDLE; one that does not
+// answer, or keeps its fault, in BRAKE. Thread: normal; in real time the exchange runs on a thread of its own, set up
+// as asked.
 #pragma once
 
-#include "hal/any_device.h"
+#include "hal/device_class.h"
 #include "tools/hil/suite.h"
 
 namespace tactus::hil {
@@ -14,6 +16,8 @@ struct DeviceUnderTest {
   hal::AnyDevice& device;
   std::string identity;
   HilOptions options;
+  std::vector<hal::NotChecked> not_checked{};  // these two as of hal::OpenedDevice
+  std::function<std::string()> trouble{};
 };
 
 std::span<const Check> device_checks() noexcept;

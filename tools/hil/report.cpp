@@ -51,6 +51,7 @@ std::string to_line(const CheckReport& report) {
   if (!finding.threshold.empty()) line += fmt::format("  {:<26} held against: {}\n", "", finding.threshold);
   if (!finding.reason.empty() && !finding.measured.empty())
     line += fmt::format("  {:<26} {}: {}\n", "", finding.verdict == Verdict::kBad ? "bad" : "note", finding.reason);
+  if (!finding.unseen.empty()) line += fmt::format("  {:<26} not checked: {}\n", "", finding.unseen);
   return line;
 }
 
@@ -58,6 +59,7 @@ std::string to_text(const SuiteReport& report) {
   std::string text = fmt::format("tactus hil: {}: {}{}\n", report.device, report.good() ? "good" : "BAD",
                                  report.degraded() ? ", DEGRADED: the set-up is not as asked for" : "");
   text += fmt::format("  {}\n", totals(report));
+  if (!report.left_in.empty()) text += fmt::format("  the device is left in {}\n", report.left_in);
   if (report.degraded())
     for (const auto& step : report.setup.steps)
       if (!step.ok) text += fmt::format("  FAIL {:<17} {}\n", step.name, step.message());
@@ -74,12 +76,17 @@ std::string to_json_text(const SuiteReport& report) {
                                 {"real_time", report.real_time},
                                 {"good", report.count(Verdict::kGood)},
                                 {"bad", report.count(Verdict::kBad)},
-                                {"skipped", report.count(Verdict::kSkipped)}};
+                                {"skipped", report.count(Verdict::kSkipped)},
+                                {"left_in", report.left_in}};
   object["checks"] = nlohmann::ordered_json::array();
   for (const CheckReport& one : report.checks) {
-    nlohmann::ordered_json check{{"name", one.check->name},          {"verdict", word(one.finding.verdict)},
-                                 {"measured", one.finding.measured}, {"threshold", one.finding.threshold},
-                                 {"reason", one.finding.reason},     {"took_s", one.took_s}};
+    nlohmann::ordered_json check{{"name", one.check->name},
+                                 {"verdict", word(one.finding.verdict)},
+                                 {"measured", one.finding.measured},
+                                 {"threshold", one.finding.threshold},
+                                 {"reason", one.finding.reason},
+                                 {"not_checked", one.finding.unseen},
+                                 {"took_s", one.took_s}};
     check["figures"] = nlohmann::ordered_json::object();
     for (const Figure& figure : one.finding.figures) check["figures"][figure.name] = figure.value;
     object["checks"].push_back(std::move(check));
@@ -108,7 +115,10 @@ std::string to_junit(const SuiteReport& report) {
                          escaped(finding.threshold));
     if (finding.verdict == Verdict::kSkipped)
       xml += fmt::format("    <skipped message=\"{}\"/>\n", escaped(finding.reason));
-    if (!finding.measured.empty()) xml += fmt::format("    <system-out>{}</system-out>\n", escaped(finding.measured));
+    const char* const before_unseen = finding.measured.empty() || finding.unseen.empty() ? "" : "; ";
+    const std::string unseen = finding.unseen.empty() ? "" : before_unseen + ("not checked: " + finding.unseen);
+    if (!finding.measured.empty() || !unseen.empty())
+      xml += fmt::format("    <system-out>{}{}</system-out>\n", escaped(finding.measured), escaped(unseen));
     xml += "  </testcase>\n";
   }
   return xml + "</testsuite>\n";

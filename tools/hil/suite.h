@@ -18,6 +18,7 @@ struct CheckReport {
 
 struct SuiteReport {
   std::string device, identity;
+  std::string left_in;  // the device's state at the end, and why, where the suite says so
   std::vector<CheckReport> checks;
   loop::SetupReport setup;  // real time only
   bool real_time{false};

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "hal/host_faults.h"
 #include "tools/library/values.h"
 
 namespace tactus::library {
@@ -101,7 +102,7 @@ void OwnDevice::read(haptics::DeviceInput& input) noexcept {
     state_.sample.device_time_ns = static_cast<std::uint64_t>(static_cast<double>(state_.reads) * period_s_ * 1e9);
     state_.sample.device_from_tool = {to_inner(sample.position_m), to_inner(sample.rotation)};
     state_.sample.state = state_.state;
-    state_.sample.device_fault = sample.fault;
+    state_.sample.device_fault = hal::without_host_bit(sample.fault);
     state_.sample.buttons = sample.buttons;
   }
   input = {static_cast<ReadStatus>(reading), 0, state_.sample};

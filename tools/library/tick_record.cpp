@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "hal/host_faults.h"
 #include "tools/library/values.h"
 
 namespace tactus {
@@ -63,7 +64,7 @@ Tick library::to_tick(const session::Driver& driver, double period_s) noexcept {
   tick.deepest_overlap_m = out.deepest_m;
   tick.fault = static_cast<FaultCode>(out.fault);
   tick.conditions = out.status;
-  tick.device_fault = sample.device_fault;
+  tick.device_fault = hal::shown_fault(sample.device_fault);
   tick.buttons = sample.buttons;
   tick.members = out.members;
   tick.border = out.border;

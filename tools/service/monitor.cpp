@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/device_words.h"
+#include "hal/host_faults.h"
 #include "rt/base/status.h"
 #include "tools/json_report.h"
 
@@ -43,7 +44,7 @@ std::string state_json(const session::LiveStatus& live, double elapsed_s, double
                                             {"fault", static_cast<std::uint32_t>(fault)},
                                             {"fault_text", fault_line(live)},
                                             {"device_state", hal::name_of(device_state)},
-                                            {"device_fault", live.device_fault.load(relaxed)},
+                                            {"device_fault", hal::shown_fault(live.device_fault.load(relaxed))},
                                             {"device_limits", live.device_limits.load(relaxed)}});
 }
 
@@ -68,10 +69,11 @@ void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
     log_.event(Level::kWarning, "late-world", {{"cycles", number(late - late_cycles_)}, {"total", number(late)}},
                elapsed_s);
   if (fault != fault_ && fault != 0)
-    log_.event(
-        Level::kError, "fault",
-        {{"code", number(fault)}, {"device_code", number(live.device_fault.load(relaxed))}, {"text", fault_line(live)}},
-        elapsed_s);
+    log_.event(Level::kError, "fault",
+               {{"code", number(fault)},
+                {"device_code", number(hal::shown_fault(live.device_fault.load(relaxed)))},
+                {"text", fault_line(live)}},
+               elapsed_s);
   if (fault != fault_ && fault == 0) log_.event(Level::kNotice, "re-armed", {{"code", number(fault_)}}, elapsed_s);
   if (const std::uint32_t resets = live.resets.load(relaxed); resets != resets_) {
     log_.event(Level::kNotice, "reset", {{"total", number(resets)}}, elapsed_s);

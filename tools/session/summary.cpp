@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/device_words.h"
+#include "hal/host_faults.h"
 #include "hal/printable.h"
 #include "sim/model/choice_names.h"
 #include "tools/version/version.h"
@@ -363,7 +364,7 @@ json faults_json(const RunSummary& s) {
                       {"code", static_cast<std::uint32_t>(event.fault)},
                       {"text", event.cleared != 0 ? std::string(describe(event.fault)) : fault_text(event)},
                       {"device_state", hal::name_of(event.device_state)},
-                      {"device_fault", event.device_fault},
+                      {"device_fault", hal::shown_fault(event.device_fault)},
                       {"device_fault_text", hal::describe_device_fault(event.device_fault)},
                       {"device_limits", event.device_limits},
                       {"device_limits_text", hal::describe_device_limits(event.device_limits)},

@@ -157,7 +157,8 @@ int run_on_device(HilCommand& c, const hal::DeviceChoice& choice, const hal::Dev
   if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
   if (const Status status = opened.value().device->start(); !status.ok())
     return complain("tactus hil: " + status.message(), kExitMachineCannot);
-  hil::DeviceUnderTest under_test{*opened.value().device, opened.value().identity, c.options};
+  hil::DeviceUnderTest under_test{*opened.value().device, opened.value().identity, c.options,
+                                  opened.value().not_checked, opened.value().trouble};
   const hil::SuiteRequest request{c.only, allowed};
   hil::SuiteReport report = run_device_suite(under_test, request, make_hooks(c));
   report.device = c.device;

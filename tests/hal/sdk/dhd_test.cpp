@@ -5,6 +5,7 @@
 
 #include "hal/device_class.h"
 #include "hal/sdk/dhd_port.h"
+#include "hal/sdk/sdk_faults.h"
 #include "hal/sdk/within.h"
 #include "tests/hal/sdk/sdk_loop.h"
 #include "tests/hal/sdk/stand_in/dhd.h"
@@ -167,14 +168,15 @@ TEST_CASE("dhd: a loop that stops altogether loses its force, and one that only 
   CHECK(loop.until([&] { return !d.forces_on; }, false));
 }
 
-TEST_CASE("dhd: a device that switches its forces off, or refuses them, is fault 5 until the re-arm", "[threads]") {
+TEST_CASE("dhd: a device that switches its forces off, or refuses them, is a fault in words until the re-arm",
+          "[threads]") {
   StandIn& d = reset();
   const auto device = open_device();
   SdkLoop loop{*device};
   REQUIRE(loop.push({1, 0, 0}, d.forces_on));
   d.forces_on = false;
   d.refuses_force = true;
-  CHECK(loop.latches(5));
+  CHECK(loop.latches(kSdkForcesOff));
   d.refuses_force = false;
   CHECK(loop.rearms());
   CHECK(loop.push({1, 0, 0}, d.forces_on));

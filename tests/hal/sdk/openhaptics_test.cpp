@@ -240,7 +240,7 @@ TEST_CASE("openhaptics: forces that go off by themselves, or are refused, are fa
   REQUIRE(loop.push({1, 0, 0}, d.forces_on));
   d.forces_on = false;
   d.refuses_force = true;
-  CHECK(loop.latches(5));
+  CHECK(loop.latches(kSdkForcesOff));
   d.refuses_force = false;
   CHECK(loop.rearms());
   CHECK(loop.push({1, 0, 0}, d.forces_on));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -12,12 +13,16 @@
 #include "firmware/usb_interface.h"
 
 struct libusb_context {};
-struct libusb_device {};
+struct libusb_device {
+  tactus::test::FakeUsbPort port{1, {1}};
+  bool is_falcon{false};
+};
 struct libusb_device_handle {};
 
 namespace {
 
 using tactus::test::FakeUsb;
+using tactus::test::FakeUsbPort;
 namespace firmware = tactus::firmware;
 
 constexpr unsigned char kIn = 0x81, kOut = 0x02;
@@ -32,6 +37,7 @@ Bus& bus() {
   return made;
 }
 libusb_device the_device;
+std::deque<libusb_device> the_falcons;  // of the newest list
 libusb_device_handle the_handle;
 
 // What a transfer ends with now.
@@ -81,16 +87,20 @@ const char* libusb_strerror(int) { return "an error of the fake"; }
 
 ssize_t libusb_get_device_list(libusb_context*, libusb_device*** list) {
   const std::lock_guard lock(bus().mutex);
-  *list = static_cast<libusb_device**>(std::calloc(2, sizeof(libusb_device*)));
-  if (bus().usb.plugged) (*list)[0] = &the_device;
-  return bus().usb.plugged ? 1 : 0;
+  the_falcons.clear();
+  for (const FakeUsbPort& port : bus().usb.falcons) the_falcons.push_back({port, true});
+  *list = static_cast<libusb_device**>(std::calloc(2 + the_falcons.size(), sizeof(libusb_device*)));
+  ssize_t count = 0;
+  if (bus().usb.plugged) (*list)[count++] = &the_device;
+  for (libusb_device& falcon : the_falcons) (*list)[count++] = &falcon;
+  return count;
 }
 void libusb_free_device_list(libusb_device** list, int) { std::free(list); }
 
-int libusb_get_device_descriptor(libusb_device*, libusb_device_descriptor* descriptor) {
+int libusb_get_device_descriptor(libusb_device* device, libusb_device_descriptor* descriptor) {
   *descriptor = {};
-  descriptor->idVendor = firmware::kUsbVendor;
-  descriptor->idProduct = firmware::kUsbProduct;
+  descriptor->idVendor = device->is_falcon ? 0x0403 : firmware::kUsbVendor;
+  descriptor->idProduct = device->is_falcon ? 0xcb48 : firmware::kUsbProduct;
   descriptor->iSerialNumber = 1;
   return 0;
 }
@@ -118,10 +128,10 @@ int libusb_get_active_config_descriptor(libusb_device*, libusb_config_descriptor
   return 0;
 }
 void libusb_free_config_descriptor(libusb_config_descriptor*) {}
-std::uint8_t libusb_get_bus_number(libusb_device*) { return 1; }
-int libusb_get_port_numbers(libusb_device*, std::uint8_t* ports, int) {
-  ports[0] = 1;
-  return 1;
+std::uint8_t libusb_get_bus_number(libusb_device* device) { return device->port.bus; }
+int libusb_get_port_numbers(libusb_device* device, std::uint8_t* ports, int) {
+  std::copy(device->port.ports.begin(), device->port.ports.end(), ports);
+  return static_cast<int>(device->port.ports.size());
 }
 int libusb_get_device_speed(libusb_device*) { return LIBUSB_SPEED_HIGH; }
 int libusb_get_string_descriptor_ascii(libusb_device_handle*, std::uint8_t, unsigned char* data, int length) {
@@ -132,8 +142,10 @@ int libusb_get_string_descriptor_ascii(libusb_device_handle*, std::uint8_t, unsi
   return size;
 }
 
-int libusb_open(libusb_device*, libusb_device_handle** handle) {
+int libusb_open(libusb_device* device, libusb_device_handle** handle) {
   const std::lock_guard lock(bus().mutex);
+  if (device->is_falcon && bus().usb.falcons_forbidden) return LIBUSB_ERROR_ACCESS;
+  if (device->is_falcon) bus().usb.falcon_opened = device->port;
   ++bus().usb.opened;
   *handle = &the_handle;
   return 0;
@@ -141,6 +153,16 @@ int libusb_open(libusb_device*, libusb_device_handle** handle) {
 void libusb_close(libusb_device_handle*) {
   const std::lock_guard lock(bus().mutex);
   if (!bus().in_flight.empty()) ++bus().usb.closed_in_flight;
+}
+const char* libusb_error_name(int) { return "LIBUSB_ERROR"; }
+int libusb_set_auto_detach_kernel_driver(libusb_device_handle*, int) { return 0; }
+int libusb_control_transfer(libusb_device_handle*, std::uint8_t, std::uint8_t, std::uint16_t, std::uint16_t,
+                            unsigned char*, std::uint16_t, unsigned) {
+  return 0;
+}
+int libusb_bulk_transfer(libusb_device_handle*, unsigned char, unsigned char*, int, int* count, unsigned) {
+  *count = 0;
+  return LIBUSB_ERROR_TIMEOUT;
 }
 int libusb_claim_interface(libusb_device_handle*, int) { return 0; }
 int libusb_release_interface(libusb_device_handle*, int) { return 0; }

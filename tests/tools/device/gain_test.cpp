@@ -132,7 +132,7 @@ TEST_CASE("gain: the force is held in FORCE, and ends in IDLE, by a fault, and w
     CHECK_FALSE(falcon.port().green());
     REQUIRE(force.push(1).ok());
     falcon.port().faults.homed = 3;
-    CHECK_THAT(force.push(1.5).message(), Contains("encoder"));
+    CHECK_THAT(force.push(1.5).message(), Contains("does not know the place of an axis"));
     CHECK(norm(falcon.force()) == 0);
     falcon.port().faults.homed = 7;
   }

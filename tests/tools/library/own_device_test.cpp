@@ -145,6 +145,14 @@ TEST_CASE("what a device gets wrong is a fault by its name, the force goes, and 
   }
   SECTION("a fault of its own") {
     puck.sample.fault = 9;
+    step(session, 2);
+    CHECK(session.last().device_fault == 9);
+    expect(FaultCode::kDeviceFault);
+  }
+  SECTION("a fault of its own, beyond the numbers for it") {
+    puck.sample.fault = 0x80000029;  // with the bit of tactus' own: axis 1 of an arm of drives
+    step(session, 2);
+    CHECK(session.last().device_fault == 0x7fffffff);
     expect(FaultCode::kDeviceFault);
   }
   SECTION("no rotation") {

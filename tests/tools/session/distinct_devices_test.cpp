@@ -32,7 +32,9 @@ TEST_CASE("devices of two hands that take the same are refused, by whatever name
                         {{"usb", {}}, {"usb", {}}, "takes the first one there is, too"},
                         {{"dhd:/a", {}}, {"dhd:/b", {}}, "dhd:FOLDER,1234"},
                         {{"dhd:/a,7", {}}, {"dhd:/b,7", {}}, "takes serial 7, too"},
-                        {{"falcon", {}}, {"falcon:image.bin", {}}, "no serial number"},
+                        {{"falcon", {}}, {"falcon:image.bin", {}}, "falcon:@1-3 by the USB ports"},
+                        {{"falcon:@1-2", {}}, {"falcon:image.bin,4000@1-2", {}}, "takes USB port 1-2, too"},
+                        {{"falcon", {}}, {"falcon:@1-2", {}}, "takes USB port 1-2, too"},
                         {{"openhaptics", {}}, {"openhaptics:/a,Right", {}}, "one device of this library"}};
   for (const Case& c : cases) {
     CAPTURE(c.first.device, c.second.device);
@@ -48,6 +50,7 @@ TEST_CASE("devices of two hands that are two are accepted, and simulated ones as
                                   {{"usb:A1", {}}, {"usb:A2", {}}},
                                   {{"dhd:/a,7", {}}, {"dhd:/a,8", {}}},
                                   {{"falcon", {}}, {"usb", {}}},
+                                  {{"falcon:@1-2", {}}, {"falcon:image.bin@1-2.1", {}}},
                                   {{"sim", {}}, {"sim", {}}},
                                   {{"drives-sim", kArm}, {"drives-sim", kArm}},
                                   {{"drives", "no such file"}, {"drives", "no such file"}}};

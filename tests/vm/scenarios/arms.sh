@@ -1,10 +1,10 @@
 # An arm of CAN drives over the kernel's sockets: three MIT drives on one classic bus, or six moteus on two CAN FD buses.
-# The card house at 1 kHz, the hardware-in-the-loop suite, then each fault of a drive while a hand presses on a floor.
+# Each drive is a process of its own on its bus, beside one for the mechanics. The card house at 1 kHz, the hardware-in-the-loop suite, then each fault of a drive while a hand presses on a floor.
 # What counts is what the drives were told to push, in periods of 1 ms.
 . /bench/lib.sh
 case $link in
-  can) file=/bench/point_arm_drives.toml at_host=can0 at_drives=can1 ;;
-  can-fd) file=/bench/wristed_arm_moteus.toml at_host=vcan0,vcan1 at_drives=vcan0,vcan1 ;;
+  can) file=/bench/point_arm_drives.toml at_host=can0 at_drives=can1 drives=3 ;;
+  can-fd) file=/bench/wristed_arm_moteus.toml at_host=vcan0,vcan1 at_drives=vcan0,vcan1 drives=6 ;;
 esac
 if [ "$link" = can-fd ] && [ ! -e /sys/class/net/vcan1 ]; then
   ip link add vcan1 type vcan
@@ -13,13 +13,14 @@ fi
 host=drives:$at_host
 arm="--device-file $file"
 
-# start_drives SCENE [OPTION...]: back when they answer.
+# start_drives SCENE [OPTION...]: back when they answer; in $processes, one or each.
+processes=each
 start_drives() {
   [ -p $BENCH_CONTROL ] || mkfifo $BENCH_CONTROL
   scene=$1
   shift
   : >$BENCH_LOG
-  bench_drives $file $at_drives --scene "$scene" "$@" --control $BENCH_CONTROL >$BENCH_LOG 2>&1 &
+  bench_drives $file $at_drives --scene "$scene" --processes $processes "$@" --control $BENCH_CONTROL >$BENCH_LOG 2>&1 &
   device=$!
   mark=0
   await '^ready' || { not_ok drives "they did not start: $(tail -n 1 $BENCH_LOG)"; return 1; }
@@ -32,6 +33,8 @@ a_fault() { fault_under_force drives "$1" "$5" "fault $2 $3 $4"; }
 
 # --- the card house
 start_drives /bench/card_house.toml || exit
+[ "$(pidof bench_drives | wc -w)" = $((drives + 1)) ]
+verdict "drives: each of $drives has a process of its own, beside the mechanics" "$(pidof bench_drives)"
 for each in $(echo $at_host | tr , ' '); do candump -x -t z "$each" >"/tmp/candump-$each" 2>&1 & done
 tactus run /bench/card_house.toml --device "$host" $arm --duration "${HOUSE_S:-1.2}" >"/out/arm-house-$link.log" 2>&1
 verdict "drives: card house runs at 1000 Hz" "exit status $?; $(tail -n 1 "/out/arm-house-$link.log")"
@@ -62,15 +65,9 @@ start_drives /bench/press.toml || exit
 start_host /bench/press.toml $arm --rearm
 under_force force && ok "drives: the hand feels the floor"
 a_fault fault-flag fault-flag 1 1 3
-if [ "$link" = can ]; then
-  a_fault disabled disabled 1 1 3
-elif under_force disabled; then  # each frame to a moteus has the mode in it
-  mark
-  tell 'fault disabled 1 1'
-  sleep 0.2
-  ! said '^zero' && report && [ "$(value enabled)" = 6 ]
-  verdict "drives: disabled: a moteus is enabled again by its next frame" "$line"
-fi
+a_fault disabled disabled 1 1 3
+wait_for grep -q 'axis 1 is not enabled any more: it has restarted, or another program stopped it' "$host_log"
+verdict "drives: disabled: in words" "$(tail -n 3 "$host_log")"
 a_fault no-answer no-answer 1 30 11
 a_fault no-answer-all no-answer all 30 11
 a_fault no-command no-command all 30 11
@@ -121,6 +118,7 @@ fi
 stop_drives killed
 start_drives /bench/press.toml || exit
 start_host /bench/press.toml $arm --rearm
+[ "$link" = can ] || a_fault restarted-soon restarted 1 5 8
 a_fault restarted restarted 1 30 11
 if [ "$link" = can ]; then  # a Damiao loses what was written into it
   sleep 3
@@ -141,6 +139,7 @@ stop_drives faults
 # --- point arms of the families whose frames are neither MIT's nor moteus': described by the program, then the ways in
 # which force ends
 [ "$link" = can ] || exit 0
+processes=one
 # The coupling that these carry without damping in the drive, and contacts that 800 Hz resolve.
 awk '/^\[coupling\]/ { here = 1 } /^\[/ && !/^\[coupling\]/ { here = 0 }
   here && /^stiffness_N_per_m/ { $0 = "stiffness_N_per_m = 200" } here && /^damping_Ns_per_m/ { $0 = "damping_Ns_per_m = 0.22" }

@@ -43,6 +43,16 @@ verdict "falcon: it got each byte of the image" "$line"
 hil_verdicts /out/hil-falcon.log falcon
 stop_device falcon-hil
 
+# --- the USB port that it is chosen by
+start_falcon --loaded 1 || exit
+port=$(grep -ls FALCON-1 /sys/bus/usb/devices/*/serial | sed 's#.*devices/\([^/]*\)/.*#\1#')
+tactus hil --device "falcon:@$port" --yes --only identity >/out/falcon-port.log 2>&1 && grep -q "at USB port $port" /out/falcon-port.log
+verdict "falcon: it is opened by its USB port, $port" "$(tail -n 1 /out/falcon-port.log)"
+tactus hil --device falcon:@9-9 --yes >/out/falcon-no-port.log 2>&1
+[ $? = 3 ] && grep -q "no Falcon is plugged into USB port 9-9; accepted: where there is one: $port" /out/falcon-no-port.log
+verdict "falcon: at another port it says where there is one" "$(tail -n 1 /out/falcon-no-port.log)"
+stop_device falcon-port
+
 # --- the force gain: the readings of a scale below a Falcon that gives half of what it is taken for, at a hand at rest
 start_falcon --loaded 1 || exit
 printf 'none\n12\n\n38\n\n112\n\n165\n\n216\n12\n' |

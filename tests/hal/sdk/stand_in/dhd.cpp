@@ -1,16 +1,33 @@
 // A stand-in for Force Dimension's library, written from its documented interface: the same names, a mass behind them,
-// faults by stand_in(). TACTUS_WITHOUT_STATUS leaves a function out, as another version of the library may.
+// faults by stand_in() or the environment (script.h). TACTUS_WITHOUT_STATUS leaves a function out, as another version
+// of the library may.
 #include "tests/hal/sdk/stand_in/dhd.h"
 
 #include <unistd.h>
 
 #include <cmath>
 
+#include "tests/hal/sdk/stand_in/script.h"
+
 namespace {
 
 StandIn g_device;
+stand_in_script::Script g_script;
 
 constexpr double kMass_kg = 0.2, kDamping_Ns_per_m = 2, kStiffness_N_per_m = 100, kStep_s = 1e-3;
+
+void obey_script() {
+  const bool pushes = g_device.force_N[0] != 0 || g_device.force_N[1] != 0 || g_device.force_N[2] != 0;
+  if (!g_script.begins(g_device.forces_on, pushes)) return;
+  const std::string_view kind = g_script.kind();
+  if (kind == "blocks") g_device.blocks_us = 50'000;
+  if (kind == "hangs") g_device.hangs = true;
+  if (kind == "errors") g_device.result = -1;
+  if (kind == "old") g_device.result = 1;
+  if (kind == "gone") g_device.gone = true;
+  if (kind == "off") g_device.refuses_force = true;
+  if (kind == "off") g_device.forces_on = false;
+}
 
 int answer() { return g_device.gone ? -1 : static_cast<int>(g_device.result); }
 
@@ -27,6 +44,7 @@ int dhdOpenSerial(int serial) {
 }
 int dhdClose(char) {
   ++g_device.closed;
+  stand_in_script::tell_end(g_device.forces_on);
   return 0;
 }
 int dhdGetDeviceCount() { return g_device.count; }
@@ -49,8 +67,9 @@ int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double ma
   while (g_device.hangs) usleep(1000);
   if (g_device.blocks_us > 0) usleep(g_device.blocks_us);
   for (int i = 0; i < 3; ++i) {
-    const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) -
-                         kStiffness_N_per_m * g_device.position_m[i] - kDamping_Ns_per_m * g_device.speed_m_per_s[i];
+    const double stretch_m = g_device.position_m[i] - (i == 2 ? g_device.hand_z_m.load() : 0.0);
+    const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) - kStiffness_N_per_m * stretch_m -
+                         kDamping_Ns_per_m * g_device.speed_m_per_s[i];
     g_device.speed_m_per_s[i] += kStep_s * force / kMass_kg;
     g_device.position_m[i] += kStep_s * g_device.speed_m_per_s[i];
   }
@@ -68,6 +87,7 @@ int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double 
   const double force[6]{fx, fy, fz, tx, ty, tz};
   for (int i = 0; i < 6; ++i) g_device.force_N[i].store(force[i]);
   ++g_device.exchanges;
+  obey_script();
   return g_device.gone ? -1 : 0;
 }
 unsigned dhdGetButtonMask(char) { return 5; }

@@ -16,6 +16,7 @@ struct StandIn {
   std::atomic<bool> refuses_expert{false};  // expert mode, watchdog, time guard
   std::atomic<bool> hangs{false};           // a reading, until it is false again
   std::atomic<double> turn_rad{0};
+  std::atomic<double> hand_z_m{0};  // where the spring that holds the mass ends
   std::atomic<double> force_N[6]{};
   double position_m[3]{}, speed_m_per_s[3]{};  // of the library's thread alone
 };

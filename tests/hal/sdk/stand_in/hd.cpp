@@ -1,7 +1,7 @@
 // A stand-in for 3D Systems' library HD, written from its documented interface: the same names, a scheduler, a mass
-// behind them on a spring, faults by hd_stand_in(). TACTUS_STAND_IN_SWAY_MM, of the environment, lets the spring's end
-// go down and up by so much, twice a second, for runs by hand. TACTUS_WITHOUT_CALIBRATION leaves a function out, as
-// another version may.
+// behind them on a spring, faults by hd_stand_in() or the environment (script.h). TACTUS_STAND_IN_SWAY_MM, of the
+// environment, lets the spring's end go down and up by so much, twice a second, for runs by hand.
+// TACTUS_WITHOUT_CALIBRATION leaves a function out, as another version may.
 #include "tests/hal/sdk/stand_in/hd.h"
 
 #include <pthread.h>
@@ -16,9 +16,12 @@
 #include <string_view>
 #include <thread>
 
+#include "tests/hal/sdk/stand_in/script.h"
+
 namespace {
 
 HdStandIn g_device;
+stand_in_script::Script g_script;
 
 struct Error {
   std::uint32_t code;
@@ -43,13 +46,27 @@ void raise(std::uint32_t code) {
   g_errors.push_front(code);
 }
 
+void obey_script() {
+  const bool pushes = g_device.force_N[0] != 0 || g_device.force_N[1] != 0 || g_device.force_N[2] != 0;
+  if (!g_script.begins(g_device.forces_on, pushes)) return;
+  const std::string_view kind = g_script.kind();
+  if (kind == "blocks") g_device.blocks_us = 50'000;
+  if (kind == "stops") g_device.calls = false;
+  if (kind == "errors") g_device.error = 0x0101;
+  if (kind == "fast") g_device.error = 0x0203;
+  if (kind == "gone") g_device.error = 0x0302;
+  if (kind == "backwards") g_device.backwards = true;
+  if (kind == "off") g_device.refuses_force = true;
+  if (kind == "off") g_device.forces_on = false;
+}
+
 void step() {
   g_time_s += kStep_s;
   const double down_mm = 0.5 * g_sway_mm * (1 - std::cos(4 * 3.14159265358979 * g_time_s));
   for (int i = 0; i < 3; ++i) {
-    const double position_m = 1e-3 * (g_device.position_mm[i] + (i == 1 ? down_mm : 0)),
+    const double stretch_m = 1e-3 * (g_device.position_mm[i] + (i == 1 ? down_mm - g_device.hand_y_mm : 0)),
                  speed = 1e-3 * g_speed_mm_per_s[i];
-    const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) - kStiffness_N_per_m * position_m -
+    const double force = (g_device.forces_on ? g_device.force_N[i].load() : 0.0) - kStiffness_N_per_m * stretch_m -
                          kDamping_Ns_per_m * speed;
     g_speed_mm_per_s[i] += 1e3 * kStep_s * force / kMass_kg;
     g_device.position_mm[i].store(g_device.position_mm[i] + kStep_s * g_speed_mm_per_s[i]);
@@ -85,7 +102,10 @@ std::uint32_t hdInitDevice(const char* name) {
   raise(g_device.init_error);
   return 0xffffffff;
 }
-void hdDisableDevice(std::uint32_t) { ++g_device.disabled; }
+void hdDisableDevice(std::uint32_t) {
+  ++g_device.disabled;
+  stand_in_script::tell_end(g_device.forces_on);
+}
 void hdMakeCurrentDevice(std::uint32_t) {}
 void hdBeginFrame(std::uint32_t) {
   if (g_device.blocks_us > 0) usleep(g_device.blocks_us);
@@ -98,6 +118,7 @@ void hdEndFrame(std::uint32_t) {
     g_device.force_N[i].store(g_frame_force_N[i]);
     g_device.torque_mNm[i].store(g_frame_torque_mNm[i]);
   }
+  obey_script();
   const unsigned error = g_device.error;
   if (error == 0) return;
   if (error >= 0x0200 && error < 0x0300) g_device.forces_on = false;

@@ -16,6 +16,7 @@ struct HdStandIn {
   std::atomic<unsigned> blocks_us{0};
   std::atomic<double> glitch_mm{0};  // added to x while it is not 0
   std::atomic<double> turn_rad{0};   // of the stylus about the library's y
+  std::atomic<double> hand_y_mm{0};  // where the spring that holds the mass ends
   std::atomic<double> force_N[3]{}, torque_mNm[3]{};
   std::atomic<double> position_mm[3]{};
   std::atomic<unsigned> frames{0}, outside_of_frames{0}, disabled{0}, stopped{0};
