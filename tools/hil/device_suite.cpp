@@ -18,7 +18,7 @@ using haptics::DeviceState;
 using haptics::ReadStatus;
 
 constexpr double kQuiet_s = 2, kPush_s = 0.3;
-constexpr double kMinFresh = 0.999;                  // share of the periods at rest
+constexpr double kMinFresh = 0.999;  // share of the periods at rest
 constexpr unsigned kLongestGap = 2, kBrakePeriods = 12, kSilence = 30;
 
 constexpr Check kChecks[] = {
