@@ -1,6 +1,7 @@
 // Faults of a device that tactus itself finds or translates: those of an arm of drives, of a maker's library, of a
-// Falcon. They have a bit that no device can tell: the wire of firmware/PROTOCOL.md has 16 bits for a fault, and a
-// device class of a user is kept to the bits below (without_host_bit). So a number means one thing, whoever told it.
+// Falcon. They have bit 31 set, which no device can send: the wire of firmware/PROTOCOL.md has 16 bits for a fault,
+// and a number of a user's device class that has the bit becomes the largest without it (without_host_bit). So a number
+// of tactus is never taken for a device's own.
 //
 //   1 to 31, and all without the bit   the device's own: words of firmware/faults.h where they are known
 //   kOfHost | 32 to 63                 drives/drive_faults.h

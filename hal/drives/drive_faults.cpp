@@ -75,6 +75,27 @@ FamilyCodes codes_of(DriveFamily family) noexcept {
   }
 }
 
+// `told`: a DriveMode, or kNeverEnabled.
+std::string describe_left_force(unsigned axis, std::uint32_t told) {
+  if (told == kNeverEnabled)
+    return fmt::format(
+        "the drive of axis {} does not get enabled; look at its supply and its configuration, by the maker's manual, "
+        "then re-arm",
+        axis);
+  const std::string text = fmt::format("the drive of axis {} is not enabled any more: ", axis);
+  switch (static_cast<DriveMode>(told)) {
+    case DriveMode::kDisabled:
+    case DriveMode::kStarting:
+      return text + "it has restarted, or another program stopped it; look at supply and bus, then re-arm";
+    case DriveMode::kTimedOut:
+      return text + "its watchdog acted, since no command reached it; look at bus and the host's load, then re-arm";
+    case DriveMode::kOther:
+      return text + "it is in a mode that another program chose; end that program, then re-arm";
+    default:
+      return text + "its watchdog, its supply or another program; look at supply and bus, then re-arm";
+  }
+}
+
 }  // namespace
 
 std::uint32_t drive_fault_of(unsigned axis, DriveFamily family, std::uint32_t code) noexcept {
@@ -97,26 +118,6 @@ std::string describe_drive_code(DriveFamily family, std::uint32_t code) {
   for (const CodeWords& known : codes.words)
     if (codes.bits ? (code & known.code) != 0 : code == known.code) text += fmt::format(", {}", known.words);
   return text;
-}
-
-static std::string describe_left_force(unsigned axis, std::uint32_t told) {
-  if (told == kNeverEnabled)
-    return fmt::format(
-        "the drive of axis {} does not get enabled; look at its supply and its configuration, by the maker's manual, "
-        "then re-arm",
-        axis);
-  const std::string text = fmt::format("the drive of axis {} is not enabled any more: ", axis);
-  switch (static_cast<DriveMode>(told)) {
-    case DriveMode::kDisabled:
-    case DriveMode::kStarting:
-      return text + "it has restarted, or another program stopped it; look at supply and bus, then re-arm";
-    case DriveMode::kTimedOut:
-      return text + "its watchdog acted, since no command reached it; look at bus and the host's load, then re-arm";
-    case DriveMode::kOther:
-      return text + "it is in a mode that another program chose; end that program, then re-arm";
-    default:
-      return text + "its watchdog, its supply or another program; look at supply and bus, then re-arm";
-  }
 }
 
 std::string describe_drive_fault(std::uint32_t fault) {

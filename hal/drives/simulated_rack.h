@@ -1,5 +1,5 @@
 // The simulated drives of an arm without its mechanics: what frames do to them, faults by script, and their answers,
-// which wait on a bus until somebody fetches them.
+// which stay queued on their bus until they are read.
 //
 // Whoever owns it moves the shafts: simulated_drives.h in one process; where each drive has a process of its own
 // (tests/vm/drive_processes.h), another one does. Thread: construction, inject(), restart_clock() [setup]; the rest

@@ -75,7 +75,7 @@ class FaultOfLibrary : public RtScript {
     const loop::TickOutput& out = session.driver->output();
     const bool in_force = out.fault == Fault::kNone && session.driver->sample().state == haptics::DeviceState::kForce;
     if (in_force) push_down(*truth_);
-    // After the fault the coupling begins anew where the tool is: at first without force.
+    // After the re-arm the coupling starts at the tool's pose, so its force is zero at first.
     held_ = in_force && (phase_ != 0 || out.command.wrench.force.z > kLeast_N) ? held_ + 1 : 0;
     if (phase_ == 0 && held_ == kHeld) {
       phase_ = fault_ != nullptr ? 1 : kOver;
