@@ -23,10 +23,6 @@
 
 namespace tactus::vm {
 
-struct FaultOrder {
-  std::uint32_t number{0};  // rises
-  hal::DriveFault fault;
-};
 struct DriveReport {
   hal::DriveLaw law;
   std::uint64_t silent_periods{0};  // its own, since its last command
@@ -35,7 +31,7 @@ struct DriveReport {
 
 struct SharedDrive {
   LatestValue<hal::DriveShaft> shaft;  // from the mechanics
-  LatestValue<FaultOrder> order;
+  LatestValue<hal::DriveFault> ordered;
   LatestValue<DriveReport> report;  // from the drive
   std::atomic<bool> ready{false};
 };
@@ -75,8 +71,8 @@ class LoneDrive {
   }
   bool fetch(unsigned bus, hal::ReceivedDriveFrame& answer) noexcept { return rack_.fetch(bus, answer); }
   void advance() noexcept {
-    if (const FaultOrder* order = shared_.order.take(); order != nullptr) {
-      hal::DriveFault fault = order->fault;
+    if (const hal::DriveFault* ordered = shared_.ordered.take(); ordered != nullptr) {
+      hal::DriveFault fault = *ordered;
       fault.tick = rack_.tick();
       rack_.inject(fault);
     }
@@ -167,11 +163,10 @@ class DriveProcesses {
   const hal::Plant& plant() const noexcept { return mechanics_.plant(); }
   // From the next period of each drive on.
   void inject(const hal::DriveFault& fault) noexcept {
-    ++orders_;
     for (unsigned axis = 0; axis < drives_.axes.size(); ++axis) {
       if (fault.axis != hal::kAllAxes && fault.axis != axis) continue;
-      (*shared_)[axis].order.writing() = {orders_, fault};
-      (*shared_)[axis].order.publish();
+      (*shared_)[axis].ordered.writing() = fault;
+      (*shared_)[axis].ordered.publish();
     }
   }
 
@@ -223,7 +218,6 @@ class DriveProcesses {
   std::vector<pid_t> processes_;
   std::array<DriveReport, hal::kAxisCount> reports_{};
   std::uint64_t periods_{0};
-  std::uint32_t orders_{0};
 };
 
 }  // namespace tactus::vm

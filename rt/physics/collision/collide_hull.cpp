@@ -237,11 +237,11 @@ void collide_hulls(const PairView& pair, const HullView& a, const HullView& b, M
   const double margin = pair.margin;
   const AxisCache cached = cache;
   const RelativeHulls ab = relative_hulls(pair, a, b);
-  const RelativeHulls ba = ab.reversed();
   const bool a_last = cached.axis == kHullFaceA, b_last = cached.axis == kHullFaceB;
   if (cached.axis == kHullEdges ? are_apart_along(pair, ab, cached, manifold)
                                 : !a_last && !b_last && are_still_apart(pair, ab, manifold))
     return;
+  const RelativeHulls ba = ab.reversed();
   // The hull with the last step's face comes first, and that face before the others; of the second hull only a face
   // that is better matters.
   FaceSearch best_a, best_b;
