@@ -95,6 +95,22 @@ requires(sizeof(Mask) > sizeof(Mask{}[0])) TACTUS_INLINE bool any(Mask which) no
   return found;
 }
 
+// Lane k + 1 in lane k, the first in the last.
+TACTUS_INLINE Wide<double, 4> next_lane(Wide<double, 4> a) noexcept {
+  return Wide<double, 4>::of(__builtin_shufflevector(a.v, a.v, 1, 2, 3, 0));
+}
+
+// Bit k is set where lane k is.
+TACTUS_INLINE unsigned bits_of(Wide<double, 4>::Mask which) noexcept {
+#if defined(__AVX__)
+  return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Wide<double, 4>::Native>(which)));
+#else
+  unsigned bits = 0;
+  for (int i = 0; i < 4; ++i) bits |= which[i] != 0 ? 1u << i : 0u;
+  return bits;
+#endif
+}
+
 // Maximum and minimum; `a` if the operands are equal or not ordered (NaN).
 template <class V>
 TACTUS_INLINE V larger(V a, V b) noexcept {

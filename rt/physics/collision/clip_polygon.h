@@ -1,11 +1,11 @@
-// Polygon clipping for the faces of boxes and hulls: clip by one side, merge close points, reduce to four points.
-// Inside narrow phase. Thread: [any]; pure. Bound: linear in the points.
+// Polygons above the faces of boxes and hulls: clip by one side (hulls; boxes in box_clip.h), merge close points,
+// reduce to four points. Inside narrow phase. Thread: [any]; pure. Bound: linear in the points.
 //
 // Frame: that of the reference face: u, v along it, w outward. Units: m. A Polygon has `count` and an array `points` of
-// u, v, w, `id` (the same corner has the same id from step to step), `line` (label of the line from this point to the
-// next) and `kept` (was a point of the last step's manifold). Noise must not change the choice of points: a contact
-// whose points alternate from step to step never comes to rest.
-// Source: clipping by half planes, Sutherland and Hodgman 1974.
+// u, v, w, `id` (the same corner has the same id from step to step), `kept` (was a point of the last step's
+// manifold) and, to be clipped, `line` (label of the line from this point to the next). Noise must not change the
+// choice of points: a contact whose points alternate from step to step never comes to rest. Source: clipping by half
+// planes, Sutherland and Hodgman 1974.
 #pragma once
 
 #include <algorithm>
@@ -76,8 +76,11 @@ void merge_neighbours(Polygon& polygon) noexcept {
     return true;
   };
   std::uint32_t kept = 0;
-  for (std::uint32_t k = 0; k < polygon.count; ++k)
-    if (kept == 0 || !merge(polygon.points[kept - 1], polygon.points[k])) polygon.points[kept++] = polygon.points[k];
+  for (std::uint32_t k = 0; k < polygon.count; ++k) {
+    if (kept > 0 && merge(polygon.points[kept - 1], polygon.points[k])) continue;
+    if (kept != k) polygon.points[kept] = polygon.points[k];
+    ++kept;
+  }
   if (kept > 1 && merge(polygon.points[0], polygon.points[kept - 1])) --kept;
   polygon.count = kept;
 }

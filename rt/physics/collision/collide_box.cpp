@@ -85,42 +85,34 @@ struct FaceFrame {
   Vec3d normal_to_b() const noexcept { return axis[i] * (on_a ? sign : -sign); }
 };
 
-// The face of the other box that is most opposite the reference face, as a polygon above it.
-ClipPolygon incident_face(const FaceFrame& f) noexcept {
+// The face of the other box that is most opposite the reference face.
+IncidentFace incident_face(const FaceFrame& f) noexcept {
   int j = 0;
   for (int k = 1; k < 3; ++k)
     if (std::abs(f.column[k][f.i]) > std::abs(f.column[j][f.i])) j = k;
   const int k = (j + 1) % 3, l = (j + 2) % 3;
   const bool plus_j = !(f.sign * f.column[j][f.i] > 0.0);
-  constexpr bool plus_k[4] = {true, false, false, true}, plus_l[4] = {true, true, false, false};
-
-  // The face's centre and its two half sides, along u, v and the normal.
-  const int to[3] = {f.u, f.v, f.i};
-  double middle[3], side_k[3], side_l[3];
-  for (int c = 0; c < 3; ++c) {
-    const double side_j = f.h_other[j] * f.column[j][to[c]];
-    middle[c] = f.offset[to[c]] + (plus_j ? side_j : -side_j);
-    side_k[c] = f.h_other[k] * f.column[k][to[c]];
-    side_l[c] = f.h_other[l] * f.column[l][to[c]];
+  const auto half_side = [&](int axis) noexcept {
+    const double* c = f.column[axis];
+    const double h = f.h_other[axis];
+    return IncidentFace::Along{h * c[f.u], h * c[f.v], f.sign * h * c[f.i]};
+  };
+  const auto side_j = half_side(j);
+  const double sign_j = plus_j ? 1.0 : -1.0;
+  IncidentFace face{.middle = {f.offset[f.u] + sign_j * side_j.u, f.offset[f.v] + sign_j * side_j.v,
+                               f.sign * f.offset[f.i] + sign_j * side_j.w - f.h[f.i]},
+                    .side_k = half_side(k),
+                    .side_l = half_side(l)};
+  // A corner's bits are the sides of the three axes on which it lies. An edge's label is its axis and the sides of the
+  // two others. An edge runs along k where l stays, else along l.
+  constexpr unsigned plus_k[4] = {1, 0, 0, 1}, plus_l[4] = {1, 1, 0, 0};
+  const unsigned on_j = plus_j ? 1 : 0;
+  for (unsigned n = 0; n < 4; ++n) {
+    face.corner[n] = static_cast<std::uint8_t>(on_j << j | plus_k[n] << k | plus_l[n] << l);
+    face.edge[n] = static_cast<std::uint8_t>(n % 2 == 0 ? 4 * static_cast<unsigned>(k) + plus_l[n] + 2 * on_j
+                                                        : 4 * static_cast<unsigned>(l) + on_j + 2 * plus_k[n]);
   }
-  const auto bit = [](bool set, int position) noexcept { return static_cast<unsigned>(set) << position; };
-  ClipPolygon polygon;
-  polygon.count = 4;
-  for (std::uint32_t n = 0; n < 4; ++n) {
-    const double sign_k = plus_k[n] ? 1.0 : -1.0, sign_l = plus_l[n] ? 1.0 : -1.0;
-    // The line to the next corner runs along k if l is unchanged, else along l. Its label identifies the box's edge:
-    // the axis, and the sides of the two other axes.
-    const unsigned line = n % 2 == 0 ? 4u * static_cast<unsigned>(k) + bit(plus_l[n], 0) + bit(plus_j, 1)
-                                     : 4u * static_cast<unsigned>(l) + bit(plus_j, 0) + bit(plus_k[n], 1);
-    const auto coordinate = [&](int c) noexcept { return middle[c] + sign_k * side_k[c] + sign_l * side_l[c]; };
-    polygon.points[n] = {coordinate(0),
-                         coordinate(1),
-                         f.sign * coordinate(2) - f.h[f.i],
-                         static_cast<std::uint8_t>(bit(plus_j, j) | bit(plus_k[n], k) | bit(plus_l[n], l)),
-                         static_cast<std::uint8_t>(line),
-                         false};
-  }
-  return polygon;
+  return face;
 }
 
 // Adds up to four of the polygon's points within the margin. They are given on the other box's surface; contact points
@@ -166,8 +158,7 @@ void add_closest_point(const BoxPair& boxes, const Vec3d& normal, double separat
 // `bound`: the largest lower bound of the distance that the axes gave; negative if the boxes overlap.
 void add_face_contact(const BoxPair& boxes, int code, double separation, double bound, Manifold& manifold) noexcept {
   const FaceFrame f(boxes, code);
-  ClipPolygon polygon = incident_face(f);
-  clip_to_rectangle(polygon, f.h[f.u], f.h[f.v]);
+  ClipPolygon polygon = clip_to_rectangle(incident_face(f), f.h[f.u], f.h[f.v]);
   double lowest = 0.0;
   for (std::uint32_t n = 0; n < polygon.count; ++n)
     if (n == 0 || polygon.points[n].w < lowest) lowest = polygon.points[n].w;
@@ -211,8 +202,7 @@ void round_edges(const BoxPair& boxes, const AxisTest& test, int face, Manifold&
 bool add_edges_above_face(const BoxPair& boxes, int face, const Vec3d& n, double separation,
                           Manifold& manifold) noexcept {
   const FaceFrame f(boxes, face);
-  ClipPolygon polygon = incident_face(f);
-  clip_to_rectangle(polygon, f.h[f.u], f.h[f.v]);
+  ClipPolygon polygon = clip_to_rectangle(incident_face(f), f.h[f.u], f.h[f.v]);
   if (!tilt_to_edges(dot(n, f.normal_to_b()), separation, polygon)) return false;
   add_face_points(boxes, f, polygon, manifold);
   manifold.normal = n;

@@ -4,7 +4,8 @@
 // precision. Thread: [any]; pure functions of shapes and poses, bounded work (box-box: 15 axes, one clip of a
 // quadrilateral against four edges, eight projections if no face is opposite the other; hulls: hull_pair.h), no
 // allocation.
-// Source: separating axes, Gottschalk 1996; clipping, Sutherland and Hodgman 1974.
+// Source: separating axes, Gottschalk 1996; clipping, Liang and Barsky 1984 (boxes), Sutherland and Hodgman 1974
+// (hulls).
 #pragma once
 
 #include <array>
