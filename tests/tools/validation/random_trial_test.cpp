@@ -122,10 +122,10 @@ TEST_CASE("random worlds with a sub-world: balls jammed with a deep overlap at t
   CHECK(trial.value().row.fallen == 0);
 }
 
-// Bodies of 1 mm beside the border: a capsule that is struck (119), one that is turned by 30 degrees (359), a cube that
-// another one reaches (627).
+// Bodies of millimetres beside the border: a capsule that rolls (47), one that is struck (119), one that is turned by
+// 30 degrees (359). Which of them falls depends on the last bits of the contact points.
 TEST_CASE("random worlds with a sub-world: those in which what stood still falls", "[!shouldfail]") {
-  for (const std::uint64_t seed : {119u, 359u, 627u}) {
+  for (const std::uint64_t seed : {47u, 119u, 359u}) {
     const auto trial = try_random_world(seed);
     REQUIRE(trial.ok());
     INFO("seed " << seed << ": " << trial.value().still.size() << " fell that stood still");
