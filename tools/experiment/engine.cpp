@@ -12,14 +12,21 @@ std::unique_ptr<Engine> make_bullet(const BoxScene&, const EngineOptions&) { ret
 std::unique_ptr<Engine> make_ode(const BoxScene&, const EngineOptions&) { return nullptr; }
 #endif
 
+#if !TACTUS_HAS_MUJOCO
+std::unique_ptr<Engine> make_mujoco(const BoxScene&, const EngineOptions&) { return nullptr; }
+bool mujoco_takes(const BoxScene&) { return false; }
+#endif
+
 const std::vector<EngineKind>& engine_kinds() {
-  constexpr bool kBullet = TACTUS_HAS_BULLET != 0, kOde = TACTUS_HAS_ODE != 0;
+  constexpr bool kBullet = TACTUS_HAS_BULLET != 0, kOde = TACTUS_HAS_ODE != 0, kMujoco = TACTUS_HAS_MUJOCO != 0;
   static const std::vector<EngineKind> kinds{
       {"tactus", "", false, make_tactus, true},
       {"bullet", "libbullet-dev", false, make_bullet, kBullet},
       {"bullet-tuned", "libbullet-dev", true, make_bullet, kBullet},
       {"ode", "libode-dev", false, make_ode, kOde},
       {"ode-tuned", "libode-dev", true, make_ode, kOde},
+      {"mujoco", "libmujoco-dev", false, make_mujoco, kMujoco, 0, mujoco_takes},
+      {"mujoco-tuned", "libmujoco-dev", true, make_mujoco, kMujoco, 0, mujoco_takes},
   };
   return kinds;
 }

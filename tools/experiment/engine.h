@@ -56,6 +56,9 @@ struct EngineOptions {
 std::unique_ptr<Engine> make_tactus(const BoxScene& scene, const EngineOptions& options);
 std::unique_ptr<Engine> make_bullet(const BoxScene& scene, const EngineOptions& options);  // null: not built in
 std::unique_ptr<Engine> make_ode(const BoxScene& scene, const EngineOptions& options);     // null: not built in
+std::unique_ptr<Engine> make_mujoco(const BoxScene& scene, const EngineOptions& options);  // null: not built in
+bool mujoco_takes(const BoxScene& scene);
+inline bool takes_every_scene(const BoxScene&) { return true; }
 
 struct EngineKind {
   std::string_view name;     // in the tables: "bullet-tuned"
@@ -64,6 +67,7 @@ struct EngineKind {
   std::unique_ptr<Engine> (*make)(const BoxScene&, const EngineOptions&);
   bool available;          // was available when this program was built
   unsigned iterations{0};  // see EngineOptions
+  bool (*takes)(const BoxScene&){takes_every_scene};
 };
 
 // All engines, tactus first.

@@ -48,13 +48,12 @@ void time_block(Engine& engine, std::uint32_t steps, Record& record) {
   record.quality.sample(engine);
 }
 
-void run_once(const BoxScene& scene, const PeersRequest& request, const std::function<void(std::string)>& say,
-              std::vector<Record>& records) {
+void run_once(const BoxScene& scene, std::span<const EngineKind> kinds, EngineOptions options,
+              const std::function<void(std::string)>& say, std::vector<Record>& records) {
   std::vector<std::unique_ptr<Engine>> engines;
   const auto settle_steps = static_cast<std::uint32_t>(std::lround(scene.settle_s / scene.step_s));
-  for (const EngineKind& kind : request.engines) {
+  for (const EngineKind& kind : kinds) {
     say(fmt::format("{} settles", kind.name));
-    EngineOptions options = request.options;
     options.tuned = kind.tuned;
     options.iterations = kind.iterations;
     engines.push_back(kind.make(scene, options));
@@ -121,20 +120,23 @@ std::vector<PeersRow> run_peers(const PeersRequest& request, const Progress& pro
   settle_on_core();
   std::vector<PeersRow> rows;
   for (const BoxScene& scene : request.scenes) {
+    std::vector<EngineKind> engines;
+    std::copy_if(request.engines.begin(), request.engines.end(), std::back_inserter(engines),
+                 [&](const EngineKind& kind) { return kind.takes(scene); });
     std::vector<Record> records;
-    records.reserve(request.engines.size());
-    while (records.size() < request.engines.size()) records.emplace_back(scene);
+    records.reserve(engines.size());
+    while (records.size() < engines.size()) records.emplace_back(scene);
     for (unsigned run = 0; run < request.runs; ++run)
       run_once(
-          scene, request,
+          scene, engines, request.options,
           [&](const std::string& doing) {
             if (progress) progress(fmt::format("{}, run {} of {}: {}", scene.name, run + 1, request.runs, doing));
           },
           records);
     const std::size_t first = rows.size();
     for (std::size_t e = 0; e < records.size(); ++e) {
-      rows.push_back(row_of(scene, request.engines[e], records[e]));
-      if (scene.terrain) rows.back().slide = slide_error(request.engines[e], request.options);
+      rows.push_back(row_of(scene, engines[e], records[e]));
+      if (scene.terrain) rows.back().slide = slide_error(engines[e], request.options);
     }
     compare(std::span(rows).subspan(first));
   }

@@ -1,4 +1,5 @@
-// tactus experiment peers: compares computing time of tactus, Bullet and ODE on identical scenes, in one program.
+// tactus experiment peers: compares computing time of tactus, Bullet, ODE and MuJoCo on identical scenes, in one
+// program.
 //
 // Every scene is settled, then timed by steps, in blocks that alternate between the engines, so that disturbances by
 // the machine affect all equally; a block's first steps fill the caches and are not timed. Everything is run several
@@ -23,7 +24,7 @@ namespace tactus::experiment {
 
 struct PeersRequest {
   std::vector<BoxScene> scenes;
-  std::vector<EngineKind> engines;  // all available
+  std::vector<EngineKind> engines;  // all available; each gets the scenes that it takes
   EngineOptions options;            // `tuned` is taken from the kind
   unsigned runs{3};
 };

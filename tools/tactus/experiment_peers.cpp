@@ -92,8 +92,8 @@ void add_peers(CLI::App& experiment, int& exit_code) {
   CLI::App* peers = experiment.add_subcommand("peers", "What a step costs beside other engines, on identical scenes.");
   peers->footer(
       "One core, CPU time, steps of all engines in turns. The peers run at their defaults and tuned; they are Debian\n"
-      "packages found when tactus was built: libbullet-dev, libode-dev; tuned with fewer and with more iterations "
-      "too.\n"
+      "packages found when tactus was built: libbullet-dev, libode-dev; tuned with fewer and with more iterations\n"
+      "too; and libmujoco-dev, for up to 100 bodies and no terrain.\n"
       "Stirred scenes have the same kinematic rods in every engine. Overlaps, travel and what left the box are judged\n"
       "from the poses, alike for all; a row that misses a gate is not compared in time. Exit status 1: work was left\n"
       "out by a capacity, and the row does not count, or tactus misses a gate.\n\n"

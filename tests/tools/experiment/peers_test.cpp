@@ -51,6 +51,22 @@ TEST_CASE("A settled tiny pile rests, touches, and tactus allocates nothing in a
   CHECK(row.ratio_to_best_peer == 0);
 }
 
+TEST_CASE("A scene is given to the engines that take it") {
+  PeersRequest request = tiny_request();
+  request.engines.push_back(request.engines.front());
+  request.engines.back().name = "picky";
+  request.engines.back().takes = [](const BoxScene& scene) { return scene.cubes.size() > 8; };
+  CHECK(run_peers(request, {}).size() == 1);
+  request.scenes.push_back(make_pile("tiny too", {.cubes = 9, .step_s = 1e-2, .layers = 2}));
+  request.scenes.back().settle_s = 0.1;
+  request.scenes.back().timed_steps = 20;
+  const auto rows = run_peers(request, {});
+  REQUIRE(rows.size() == 3);
+  CHECK(rows[0].scene == "tiny");
+  CHECK(rows[2].scene == "tiny too");
+  CHECK(rows[2].engine == "picky");
+}
+
 TEST_CASE("Boxes slide over flat and ridged triangles as far as the formula says") {
   const SlideError error = slide_error(engine_kinds().front(), {});
   INFO(error.ground);
