@@ -1,5 +1,6 @@
 // The only way from a JSON value to text. Bytes that are no UTF-8, such as those of a file's name, become U+FFFD, where
-// nlohmann::json::dump would throw. Thread: any normal one. Bound: the value. Errors: none but a lack of memory.
+// nlohmann::json::dump would throw; a number that is not finite becomes null. Thread: any normal one. Bound: the value.
+// Errors: none but a lack of memory.
 #pragma once
 
 #include <nlohmann/json.hpp>

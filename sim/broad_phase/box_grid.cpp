@@ -5,14 +5,10 @@
 #include <cmath>
 
 #include "rt/base/check.h"
+#include "sim/broad_phase/grid_cells.h"
 
 namespace tactus::sim {
 namespace {
-
-// A box is smaller than its cell by this factor, and cells beyond the farthest are folded into the last, as in
-// PairGrid: rounding cannot place a box's upper corner two cells further.
-constexpr double kFill = 0.999;
-constexpr double kFarthestCell = 1099511627776.0;  // 2^40
 
 double power_of_two(int exponent) noexcept {
   return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
@@ -69,8 +65,7 @@ std::uint64_t BoxGrid::Cells::count() const noexcept {
 }
 
 std::uint32_t BoxGrid::level_of(const physics::Aabb& box) noexcept {
-  const Vec3d e = box.upper - box.lower;
-  const double size = std::max(e.x, std::max(e.y, e.z)) / kFill;
+  const double size = largest_extent(box) / kCellFill;
   if (!std::isfinite(size) || !is_finite(box.lower)) return kTop;
   int exponent = 0;  // size < 2^exponent
   (void)std::frexp(size, &exponent);
@@ -79,9 +74,7 @@ std::uint32_t BoxGrid::level_of(const physics::Aabb& box) noexcept {
 
 std::int64_t BoxGrid::coordinate(double x_m, std::uint32_t level) noexcept {
   if (level == kTop) return 0;
-  const double cell = std::floor(x_m * power_of_two(static_cast<int>(kOneMetre) - static_cast<int>(level)));
-  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // NaN too
-  return static_cast<std::int64_t>(std::min(cell, kFarthestCell));
+  return cell_at(x_m * power_of_two(static_cast<int>(kOneMetre) - static_cast<int>(level)));
 }
 
 BoxGrid::Cell BoxGrid::cell_of(const Vec3d& corner, std::uint32_t level) noexcept {

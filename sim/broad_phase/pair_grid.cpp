@@ -3,19 +3,10 @@
 #include <bit>
 #include <cmath>
 
+#include "sim/broad_phase/grid_cells.h"
+
 namespace tactus::sim {
 namespace {
-
-// A box is smaller than its cell by this factor, so that rounding in x * cells_per_m cannot place its upper corner two
-// cells further: below kFarthestCell the product is off by less than 2^40 * 2^-52 = 2.4e-4 of a cell.
-constexpr double kFill = 0.999;
-// Cells beyond are folded into the last: still correct, since folding never moves two cells further apart.
-constexpr double kFarthestCell = 1099511627776.0;  // 2^40
-
-double largest_extent(const physics::Aabb& box) noexcept {
-  const Vec3d e = box.upper - box.lower;
-  return std::max(e.x, std::max(e.y, e.z));
-}
 
 // The k with 2^(k-1) <= x < 2^k; -1000 or 1000 for numbers without one.
 int power_above(double x) noexcept {
@@ -113,7 +104,7 @@ void PairGrid::choose_levels(std::span<const physics::Aabb> bounds) noexcept {
     most = in_octave;
     size = *std::max_element(largest.begin() + (end < kOctave ? 0 : end - kOctave + 1), largest.begin() + end + 1);
   }
-  base_cell_m_ = size > 0 && std::isfinite(size) ? size * 1.0001 / kFill : 1.0;
+  base_cell_m_ = size > 0 && std::isfinite(size) ? size * 1.0001 / kCellFill : 1.0;
   for (int level = 0; level < kLevels; ++level)
     cells_per_m_[static_cast<std::size_t>(level)] = std::ldexp(1.0 / base_cell_m_, kBaseLevel - level);
 }
@@ -145,14 +136,12 @@ void PairGrid::fill_table(std::span<const physics::Aabb> bounds) noexcept {
 
 int PairGrid::level_of(const physics::Aabb& box) const noexcept {
   if (!is_finite(box.lower) || !is_finite(box.upper)) return kTopLevel;
-  return std::clamp(kBaseLevel + power_above(largest_extent(box) / (kFill * base_cell_m_)), 0, kTopLevel);
+  return std::clamp(kBaseLevel + power_above(largest_extent(box) / (kCellFill * base_cell_m_)), 0, kTopLevel);
 }
 
 std::int64_t PairGrid::coordinate(double x_m, std::uint32_t level) const noexcept {
   if (level == kTopLevel) return 0;
-  const double cell = std::floor(x_m * cells_per_m_[level]);
-  if (!(cell > -kFarthestCell)) return static_cast<std::int64_t>(-kFarthestCell);  // NaN too
-  return static_cast<std::int64_t>(std::min(cell, kFarthestCell));
+  return cell_at(x_m * cells_per_m_[level]);
 }
 
 PairGrid::Cell PairGrid::cell_of(const Vec3d& corner, std::uint32_t level) const noexcept {

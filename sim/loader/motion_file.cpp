@@ -39,8 +39,6 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   }
 }
 
-Quatd rotation_of(const MotionRow& row) { return {row[4], row[5], row[6], row[7]}; }
-
 // The lines of a text, without an empty last one.
 class Lines {
  public:

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "rt/base/math.h"
 #include "rt/base/result.h"
 
 namespace tactus::sim {
@@ -25,6 +26,7 @@ inline constexpr double kMaxTurnBetweenRows_rad = 1.5;  // beyond, the direction
 
 // Time [s], position [m], rotation (w, x, y, z), as in the file; the time is shifted to start at 0.
 using MotionRow = std::array<double, kMotionRowWidth>;
+inline Quatd rotation_of(const MotionRow& row) noexcept { return {row[4], row[5], row[6], row[7]}; }
 
 struct MotionFile {
   std::vector<MotionRow> rows;

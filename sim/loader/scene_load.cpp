@@ -14,14 +14,13 @@
 #include "sim/loader/scene_load_effects.h"
 #include "sim/loader/scene_load_generators.h"
 #include "sim/loader/scene_load_hand.h"
+#include "sim/loader/scene_load_ranges.h"
 #include "sim/model/choice_names.h"
 
 namespace tactus::sim {
 namespace {
 
 constexpr double kNominalTick_s = 1e-3;
-constexpr text::Range kStiffness{"a stiffness", 0, 1e5};
-constexpr text::Range kDamping{"a damping", 0, 1e4};
 
 // Fills a scene from the document, table by table; the order of calls determines the body ids.
 class SceneReader {

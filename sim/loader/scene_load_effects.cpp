@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "rt/text/nearest_word.h"
 #include "sim/model/scene_effects.h"
@@ -14,7 +15,6 @@ using physics::Body;
 using physics::BodyKind;
 using physics::ShapeKind;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr text::Range kRate{"a rate", 0, 1e4};
 constexpr double kSteepestGrain = 1;
 
@@ -32,13 +32,13 @@ double area_across(const Scene& scene, const physics::Shape& shape) {
   const Vec3d& e = shape.half_extents;
   switch (shape.kind) {
     case ShapeKind::kSphere:
-      return kPi * r * r;
+      return std::numbers::pi * r * r;
     case ShapeKind::kCapsule:
-      return kPi * r * (r + shape.half_length);
+      return std::numbers::pi * r * (r + shape.half_length);
     case ShapeKind::kCylinder:
-      return 0.5 * kPi * r * (r + 2 * shape.half_length);
+      return 0.5 * std::numbers::pi * r * (r + 2 * shape.half_length);
     case ShapeKind::kCone:
-      return 0.25 * kPi * r * (r + std::hypot(r, 2 * shape.half_length));
+      return 0.25 * std::numbers::pi * r * (r + std::hypot(r, 2 * shape.half_length));
     case ShapeKind::kBox:
       return 2 * (e.x * e.y + e.y * e.z + e.z * e.x);
     case ShapeKind::kHull: {
@@ -127,10 +127,11 @@ void EffectReader::read_feel(text::TableReader& table, Surface& surface) {
   needs(table, "texture_height_m", &Effects::texture);
   surface.grain.height_m = table.number("texture_height_m", 0, {"a height", 0, 0.01});
   surface.grain.wavelength_m = table.number("texture_wavelength_m", 0.002, {"a length", 1e-4, 1});
-  const double slope = 2 * kPi * surface.grain.height_m / surface.grain.wavelength_m;
+  const double slope = 2 * std::numbers::pi * surface.grain.height_m / surface.grain.wavelength_m;
   if (slope > kSteepestGrain)
-    table.mistake("texture_height_m", fmt::format("the grain's slope is {:.3g}", slope),
-                  fmt::format("at most texture_wavelength_m / {:.3g}: a slope of 1", 2 * kPi / kSteepestGrain));
+    table.mistake(
+        "texture_height_m", fmt::format("the grain's slope is {:.3g}", slope),
+        fmt::format("at most texture_wavelength_m / {:.3g}: a slope of 1", 2 * std::numbers::pi / kSteepestGrain));
   needs(table, "transient_strength_Ns_per_m", &Effects::transients);
   surface.ringing.strength_Ns_per_m =
       table.number("transient_strength_Ns_per_m", 0, {"newtons for a metre per second", 0, 1e3});

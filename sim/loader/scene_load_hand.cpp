@@ -7,12 +7,10 @@
 
 #include "rt/base/rotation_vector.h"
 #include "sim/loader/scene_load_files.h"
+#include "sim/loader/scene_load_ranges.h"
 
 namespace tactus::sim {
 namespace {
-
-constexpr text::Range kStiffness{"a stiffness", 0, 1e5};
-constexpr text::Range kDamping{"a damping", 0, 1e4};
 
 std::string table_of(const std::string& file, const std::vector<MotionRow>& rows) {
   std::string text = fmt::format("\n[[motion_file]]\nname = {}\nrows = [\n", quoted(file));
@@ -20,7 +18,7 @@ std::string table_of(const std::string& file, const std::vector<MotionRow>& rows
   return text + "]\n";
 }
 
-Quatd rotation_of(const MotionRow& row) { return normalized(Quatd{row[4], row[5], row[6], row[7]}); }
+Quatd unit_rotation_of(const MotionRow& row) { return normalized(rotation_of(row)); }
 
 // Mean velocities between two rows, m/s and rad/s.
 struct Leg {
@@ -30,7 +28,8 @@ struct Leg {
   static Leg between(const MotionRow& a, const MotionRow& b) {
     const double time_s = b[0] - a[0];
     const Vec3d move = Vec3d{b[1], b[2], b[3]} - Vec3d{a[1], a[2], a[3]};
-    return {time_s, move * (1 / time_s), rotation_vector_of(rotation_of(b) * conjugate(rotation_of(a))) * (1 / time_s)};
+    return {time_s, move * (1 / time_s),
+            rotation_vector_of(unit_rotation_of(b) * conjugate(unit_rotation_of(a))) * (1 / time_s)};
   }
 };
 
@@ -159,7 +158,7 @@ bool HandReader::open_file(text::TableReader& hand, const std::string& name, std
 void HandReader::add_rows(const std::vector<MotionRow>& rows) {
   auto& path = script_->path;
   for (const MotionRow& row : rows)
-    path.push_back({row[0], {row[1], row[2], row[3]}, rotation_vector_of(rotation_of(row))});
+    path.push_back({row[0], {row[1], row[2], row[3]}, rotation_vector_of(unit_rotation_of(row))});
   if (script_->motion != HandMotion::kCubic) return;
   // The velocity at a row is that of the parabola through it and its neighbours, limited against overshoot. At the ends
   // it is 0, or, in a path that repeats, computed from the neighbours across the repeat.

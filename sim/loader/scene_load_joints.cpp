@@ -1,6 +1,8 @@
 // Reads the keys of [[joint]].
 #include <fmt/format.h>
 
+#include <numbers>
+
 #include "rt/text/nearest_word.h"
 #include "sim/loader/scene_load_effects.h"
 
@@ -11,11 +13,10 @@ using physics::BodyKind;
 using physics::Joint;
 using physics::JointKind;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr text::Range kPlace{"a place", -1e4, 1e4};
 constexpr text::Range kEffort{"a force or torque", 0, 1e9};
-constexpr text::Range kAngle{"an angle within half a turn", -kPi, kPi};
-constexpr text::Range kLength{"a length", 0, 1e3};
+constexpr text::Range kAngle{"an angle within half a turn", -std::numbers::pi, std::numbers::pi};
+constexpr text::Range kJointLength{"a length", 0, 1e3};
 constexpr text::Range kShift{"a distance along the axis", -1e3, 1e3};
 
 // A rotation that takes z to `axis`, a unit vector.
@@ -110,8 +111,8 @@ void EffectReader::read_limits(text::TableReader& t, Joint& joint, double at_sta
   if (joint.kind == JointKind::kHinge) between("low_rad", "high_rad", kAngle);
   if (joint.kind == JointKind::kSlider) between("low_m", "high_m", kShift);
   if (joint.kind != JointKind::kDistance) return;
-  between("low_m", "high_m", kLength);
-  const double length = t.number("length_m", at_start, kLength);
+  between("low_m", "high_m", kJointLength);
+  const double length = t.number("length_m", at_start, kJointLength);
   if (joint.limited && t.has("length_m"))
     t.mistake("length_m", "there are limits already", "length_m, or low_m and high_m");
   if (!joint.limited) joint.low = joint.high = length;

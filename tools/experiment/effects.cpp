@@ -96,7 +96,7 @@ struct Bodies {
   }
 };
 
-constexpr const char* kProxy =
+constexpr const char* kProxyTables =
     "[proxy]\nshape = \"sphere\"\nradius_m = 0.01\nmass_kg = 0.2\nposition_m = [0, 0, 5]\n"
     "[simulation]\nratio = 10\n";
 
@@ -140,7 +140,7 @@ std::string effect_scene(const std::string& effect, EffectState state) {
   if (effect == "joints" && used)
     for (int i = 0; i < 16; ++i)
       tail += fmt::format("[[joint]]\nkind = \"hinge\"\na = \"cube{0}_0\"\nb = \"cube{0}_1\"\naxis = [0, 0, 1]\n", i);
-  return list_of(effects) + head + kProxy + bodies.text() + tail;
+  return list_of(effects) + head + kProxyTables + bodies.text() + tail;
 }
 
 void count_effect(const std::string& effect, EffectState state) {

@@ -46,7 +46,7 @@ ordered_json json_of(const std::vector<PeersRow>& rows) {
   return list;
 }
 
-constexpr CsvColumn kColumns[] = {
+constexpr CsvColumn kPeersColumns[] = {
     {"scene", "scene"},
     {"engine", "engine"},
     {"median [us]", "median_us"},
@@ -114,6 +114,6 @@ std::string peers_json(const std::vector<PeersRow>& rows) {
   return report_text(ordered_json{{"rows", json_of(rows)}}, 2);
 }
 
-std::string peers_csv(const std::vector<PeersRow>& rows) { return csv_of(kColumns, json_of(rows)); }
+std::string peers_csv(const std::vector<PeersRow>& rows) { return csv_of(kPeersColumns, json_of(rows)); }
 
 }  // namespace tactus::experiment

@@ -43,7 +43,7 @@ ordered_json json_of(const std::vector<ScalingRow>& rows) {
   return list;
 }
 
-constexpr CsvColumn kColumns[] = {
+constexpr CsvColumn kScalingColumns[] = {
     {"sweep", "sweep"},
     {"bodies [1]", "bodies"},
     {"sub_steps [1]", "sub_steps"},
@@ -88,7 +88,7 @@ std::string scaling_json(const ScalingReport& report) {
       2);
 }
 
-std::string scaling_csv(const ScalingReport& report) { return csv_of(kColumns, json_of(report.rows)); }
+std::string scaling_csv(const ScalingReport& report) { return csv_of(kScalingColumns, json_of(report.rows)); }
 
 std::string scaling_svg(const ScalingReport& report) {
   constexpr double kWidth = 640, kHeight = 420, kLeft = 70, kRight = 20, kTop = 30, kBottom = 50;

@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kDensity = 1000;  // kg/m^3
 // Large enough for tilted cubes, and so that a heap forms instead of columns.
-constexpr double kGap = 0.4;         // of the edge, between neighbours of the grid
-constexpr double kJitter = 0.05;     // of the edge, to either side; small enough that neighbours do not touch
-constexpr double kTilt_rad = 0.3;    // about each axis, at most
-constexpr double kWallHalf_m = 0.5;  // thick enough that no body passes through
+constexpr double kGap = 0.4;          // of the edge, between neighbours of the grid
+constexpr double kJitter = 0.05;      // of the edge, to either side; small enough that neighbours do not touch
+constexpr double kMaxTilt_rad = 0.3;  // about each axis, at most
+constexpr double kWallHalf_m = 0.5;   // thick enough that no body passes through
 
 // Slope of the bowl's sides: steeper than the friction angle (27 degrees at 0.5), flatter than the angle at which a
 // body pushed along the floor jams (63 degrees).
@@ -86,7 +86,7 @@ Cube cube_at(double edge_m, const Vec3d& at, Random& random) {
   return {.edge_m = edge_m,
           .mass_kg = kDensity * edge_m * edge_m * edge_m,
           .position = at + shift,
-          .rotation = quat_from_rotation_vector(random.vector(kTilt_rad))};
+          .rotation = quat_from_rotation_vector(random.vector(kMaxTilt_rad))};
 }
 
 // Equal cubes on a square grid, layer upon layer. Returns the width of the box that holds them.

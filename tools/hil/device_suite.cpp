@@ -21,7 +21,7 @@ constexpr double kQuiet_s = 2, kPush_s = 0.3;
 constexpr double kMinFresh = 0.999;  // share of the periods at rest
 constexpr unsigned kLongestGap = 2, kBrakePeriods = 12, kSilence = 30;
 
-constexpr Check kChecks[] = {
+constexpr Check kDeviceChecks[] = {
     {"identity", "the device that was opened", kNothing, nullptr},
     {"samples", "at rest: share of the periods with a new sample, longest gap", kNothing, nullptr},
     {"round-trip", "from a command to the sample that says the device has it", kNothing, nullptr},
@@ -236,14 +236,14 @@ std::string leave(DeviceExchange& x, bool motors_allowed) {
 
 }  // namespace
 
-std::span<const Check> device_checks() noexcept { return kChecks; }
+std::span<const Check> device_checks() noexcept { return kDeviceChecks; }
 
 SuiteReport run_device_suite(DeviceUnderTest& under_test, const SuiteRequest& request, const SuiteHooks& hooks) {
   SuiteReport report;
   report.real_time = !under_test.options.stepped;
   report.identity = under_test.identity;
   DeviceExchange exchange(under_test);
-  for (const Check& check : kChecks) {
+  for (const Check& check : kDeviceChecks) {
     if (hooks.stop && hooks.stop()) break;
     if (!request.only.empty() && std::find(request.only.begin(), request.only.end(), check.name) == request.only.end())
       continue;

@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kLargestStartError = 1e-3;  // m, rad: of a loop that is closed by an equality
 constexpr double kLargestFriction = 10;      // what a scene accepts
-constexpr std::size_t kMaxFixedTriangles = 20'000;
 
 std::string label(const Place& place, const char* what, std::size_t number) {
   return place.name.empty() ? fmt::format("{} {}", what, number) : fmt::format("{} \"{}\"", what, place.name);

@@ -18,6 +18,8 @@ namespace tactus::scene_import {
 enum class DraftShape { kSphere, kCapsule, kCylinder, kBox, kPlane, kHull, kMesh };
 enum class DraftRole { kMoving, kFixed, kKinematic };
 
+inline constexpr std::size_t kMaxFixedTriangles = 20'000;  // of a mesh that never moves
+
 // One shape of a body. What moves has spheres, capsules, cylinders, boxes and hulls.
 struct DraftPart {
   std::string origin;  // for a comment: geom "head", line 42

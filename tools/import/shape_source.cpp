@@ -12,8 +12,6 @@
 namespace tactus::scene_import {
 namespace {
 
-constexpr std::size_t kMaxFixedTriangles = 20'000;
-
 // Custom properties that count.
 struct Property {
   std::string_view name;

@@ -12,13 +12,12 @@
 namespace tactus::service {
 namespace {
 
-constexpr auto relaxed = std::memory_order_relaxed;
-
 std::string number(std::uint64_t value) { return fmt::format("{}", value); }
 
 }  // namespace
 
 std::string state_json(const session::LiveStatus& live, double elapsed_s, double rate_Hz, const RunName& run) {
+  constexpr auto relaxed = std::memory_order_relaxed;
   nlohmann::ordered_json conditions = nlohmann::ordered_json::array();
   const std::uint32_t status = live.status.load(relaxed);
   for (std::uint32_t bit = 0; bit < 32; ++bit)
@@ -49,6 +48,7 @@ std::string state_json(const session::LiveStatus& live, double elapsed_s, double
 }
 
 void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
+  constexpr auto relaxed = std::memory_order_relaxed;
   const std::uint64_t ticks = live.ticks.load(relaxed), overruns = live.overruns.load(relaxed),
                       late = live.late_cycles.load(relaxed);
   const std::uint32_t fault = live.fault.load(relaxed);

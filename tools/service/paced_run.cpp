@@ -15,7 +15,6 @@ constexpr std::chrono::milliseconds kPause{4};
 constexpr std::uint64_t kBatch = 50;            // ticks between two looks
 constexpr std::int64_t kLook_ns = 200'000'000;  // between two calls of `look`
 constexpr double kMaxOwed_s = 0.1;              // of simulated time: a run that cannot keep its pace does not burst
-constexpr auto relaxed = std::memory_order_relaxed;
 
 // `Run`: what a tick is: of one hand, or of several.
 template <class Run>
@@ -37,6 +36,8 @@ class PacedRun {
   }
 
  private:
+  static constexpr auto relaxed = std::memory_order_relaxed;
+
   // Ticks that are due now, at most a batch.
   std::uint64_t run_some() {
     const std::int64_t now_ns = MonotonicClock::now_ns();
@@ -103,7 +104,7 @@ class OneHand {
       : session_(session), run_(run), hooks_(hooks) {}
 
   double period_s() const noexcept { return session_.options.period_s(); }
-  void tick() { out_ = run_.tick(hooks_.requests.exchange(0, relaxed)); }
+  void tick() { out_ = run_.tick(hooks_.requests.exchange(0, std::memory_order_relaxed)); }
   // The direct coupling has no cycle: each tick is one.
   bool synchronised() const noexcept { return session_.global == nullptr || session_.driver->synchronised(); }
   void drain() {
@@ -135,7 +136,8 @@ class AllHands {
 
   double period_s() const noexcept { return hands_[0].options.period_s(); }
   void tick() {
-    for (std::size_t hand = 0; hand < asked_.size(); ++hand) asked_[hand] = hooks_.requests[hand]->exchange(0, relaxed);
+    for (std::size_t hand = 0; hand < asked_.size(); ++hand)
+      asked_[hand] = hooks_.requests[hand]->exchange(0, std::memory_order_relaxed);
     run_.tick(asked_);
   }
   bool synchronised() const noexcept { return hands_[0].driver->synchronised(); }

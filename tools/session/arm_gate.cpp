@@ -5,13 +5,13 @@
 namespace tactus::session {
 namespace {
 
-constexpr auto relaxed = std::memory_order_relaxed;
 constexpr std::uint32_t kGivesForce = loop::kArm | loop::kRearm;
 
 }  // namespace
 
 std::uint32_t ArmGate::pass(std::uint32_t asked) noexcept {
   if (!same_device_) return asked;
+  constexpr auto relaxed = std::memory_order_relaxed;
   if (unchecked_ticks_ > 0) {
     --unchecked_ticks_;
     return asked;
@@ -28,6 +28,7 @@ std::uint32_t ArmGate::pass(std::uint32_t asked) noexcept {
 }
 
 Status ArmGate::look() {
+  constexpr auto relaxed = std::memory_order_relaxed;
   const std::uint32_t waiting = waiting_.exchange(0, relaxed);
   if (waiting == 0) return Status::good();
   if (Status status = same_device_(); !status.ok()) return status;

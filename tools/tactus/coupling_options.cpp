@@ -14,12 +14,6 @@
 namespace tactus::tools {
 namespace {
 
-std::vector<std::string> case_names() {
-  std::vector<std::string> names;
-  for (const auto& one : experiment::coupling_cases()) names.push_back(one.name);
-  return names;
-}
-
 // The arguments of `tactus` that give the same figures.
 std::vector<std::string> arguments_of(const CouplingOptions& o, const experiment::StudyRequest& request) {
   std::vector<std::string> words{"experiment", o.name};
@@ -45,7 +39,7 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
   options.name = command.get_name();
   command.add_option("--scenes", options.scenes, "scenes, separated by commas; all by default")
       ->delimiter(',')
-      ->check(CLI::IsMember(case_names()));
+      ->check(CLI::IsMember(experiment::coupling_case_names()));
   command.add_option("--scene", options.scene_files, "any scene file instead, with its own hand; may be given again")
       ->check(CLI::ExistingFile);
   command

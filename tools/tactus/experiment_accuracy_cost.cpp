@@ -81,12 +81,6 @@ int run_cost(const CostOptions& options) {
   return draw_page(options.output, text, command, print_and_write(options.output, text));
 }
 
-std::vector<std::string> case_names() {
-  std::vector<std::string> names;
-  for (const auto& one : experiment::coupling_cases()) names.push_back(one.name);
-  return names;
-}
-
 }  // namespace
 
 void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
@@ -106,7 +100,7 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
       "  tactus experiment accuracy-cost --scenes pile,wall --page cost.html");
   command->add_option("--scenes", options->scenes, "scenes, separated by commas; all by default")
       ->delimiter(',')
-      ->check(CLI::IsMember(case_names()));
+      ->check(CLI::IsMember(experiment::coupling_case_names()));
   command->add_option("--seeds", options->seeds, "hands that press and slide a little differently")
       ->check(CLI::Range(1, 1000))
       ->default_str("3, with --quick 1");

@@ -3,9 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -25,9 +23,6 @@ namespace {
 
 constexpr double kSoak_s = 600;
 constexpr std::string_view kSimulatedName = "sim";
-
-std::atomic<bool> g_stop{false};  // set by stop_on_signals(): the suite ends after the check under way
-void ask_to_stop(int) { g_stop.store(true); }
 
 struct HilCommand {
   hil::HilOptions options;
@@ -112,9 +107,10 @@ int finish(const HilCommand& c, const hil::SuiteReport& report) {
 }
 
 hil::SuiteHooks make_hooks(const HilCommand& c) {
-  stop_on_signals(ask_to_stop);
+  stop_on_signals();
   const bool terminal = isatty(STDERR_FILENO) != 0;
   hil::SuiteHooks hooks;
+  // The suite ends after the check under way.
   hooks.stop = [] { return g_stop.load(std::memory_order_relaxed); };
   hooks.progress = [terminal](const hil::Check& check, double share) {
     if (terminal) fmt::print(stderr, "\r\033[K  {:<18} {:3.0f} %", check.name, 100 * share);

@@ -5,7 +5,6 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <ctime>
 #include <filesystem>
@@ -29,9 +28,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kReading{30'000}, kForever{-1};
 constexpr unsigned kMostWrong = 5;  // lines in a row
 constexpr std::size_t kLongestLine = 256;
-
-std::atomic<bool> g_stop{false};
-void ask_to_stop(int) { g_stop.store(true); }
 
 // Lines of stdin, with a time limit: a force is held meanwhile. Ends early when that force does.
 class Lines {
@@ -205,7 +201,7 @@ int finish(const GainCalibration& c, const hil::GainResult& result) {
 }  // namespace
 
 int calibrate_gain(const GainCalibration& c) {
-  stop_on_signals(ask_to_stop);
+  stop_on_signals();
   hil::ScaleCalibration pushes(c.choice.device_class->force_gain(c.choice.address),
                                c.under_test.device.properties().max_force_N);
   Ended ended;

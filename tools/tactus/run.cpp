@@ -34,11 +34,6 @@
 namespace tactus::tools {
 namespace {
 
-constexpr double kDefaultVirtual_s = 10;
-
-std::atomic<bool> g_stop{false};  // set by stop_on_signals()
-void ask_to_stop(int) { g_stop.store(true); }
-
 struct RunCommand {
   Options options;
   EachHand each;  // once, or once for each hand
@@ -137,7 +132,7 @@ Result<session::RunSummary> run_in_real_time(session::Session& session, const Ru
   session.options.record = command.record;
   if (const Status status = session.record(command.record.string()); !status.ok()) return status;
   session.options.duration_s = command.duration_s;
-  stop_on_signals(ask_to_stop);
+  stop_on_signals();
   std::signal(SIGPIPE, SIG_IGN);  // the run continues if the reader of the status lines ends
   const bool terminal = isatty(STDERR_FILENO) != 0 && !logged;
   std::uint64_t last_ticks = 0;
@@ -206,7 +201,7 @@ Result<session::RunSummary> run_paced(Session& opened, const RunCommand& command
   if (const Status status = session.record(command.record.string()); !status.ok()) return status;
   std::unique_ptr<ViewerProcess> viewer;
   if (const Status status = start_viewer(command, viewer); !status.ok()) return status;
-  stop_on_signals(ask_to_stop);
+  stop_on_signals();
   const service::RunName name{session.options.scene, sim::source_hash(session.scene.source)};
   service::PacedHooks hooks{.pacing = pacing, .requests = requests, .stop = g_stop, .look = {}};
   if (shown != nullptr) hooks.stepped = &ShownRun::stepped;
@@ -321,8 +316,7 @@ int run_several(RunCommand& command, const Scene& scene) {
                                               : 0,
                     .view = command.view,
                     .by_pointer = command.hand == "pointer",
-                    .json = command.json},
-                   g_stop, ask_to_stop);
+                    .json = command.json});
 }
 
 int run_scene(const CLI::App& app, RunCommand& command) {

@@ -59,8 +59,7 @@ struct Watched {
 
   // `pacing`: of virtual time; null: real time.
   static Result<Watched> open(session::Session& session, const HandsCommand& command,
-                              const std::shared_ptr<service::SharedService>& common, service::Pacing* pacing,
-                              std::atomic<bool>& stop) {
+                              const std::shared_ptr<service::SharedService>& common, service::Pacing* pacing) {
     Watched watched;
     service::Configuration configuration = command.configuration;
     configuration.socket = session::file_of_hand(command.control, session.options.hand);
@@ -71,7 +70,7 @@ struct Watched {
     if (watched.shown != nullptr) watched.shown->add_to(watchable);
     if (watched.shown != nullptr && pacing != nullptr) watched.shown->paced_by(*pacing);
     auto service = service::RunService::open(
-        configuration, common, stop, /*can_reset=*/true,
+        configuration, common, g_stop, /*can_reset=*/true,
         {session.options.scene, sim::source_hash(session.scene.source), session.options.hand + 1}, watchable);
     if (!service.ok()) return service.status();
     watched.service = std::move(service).value();
@@ -93,13 +92,12 @@ struct Watched {
 };
 using AllWatched = std::vector<Watched>;  // by hand; empty without control sockets and log
 
-Result<AllWatched> watch_all(session::Hands& hands, const HandsCommand& command, service::Pacing* pacing,
-                             std::atomic<bool>& stop) {
+Result<AllWatched> watch_all(session::Hands& hands, const HandsCommand& command, service::Pacing* pacing) {
   AllWatched all;
   if (command.control.empty() && command.config.empty()) return all;
   const auto common = std::make_shared<service::SharedService>(command.configuration, command.config, hands.count());
   for (unsigned hand = 0; hand < hands.count(); ++hand) {
-    auto watched = Watched::open(hands[hand], command, common, pacing, stop);
+    auto watched = Watched::open(hands[hand], command, common, pacing);
     if (!watched.ok()) return watched.status();
     all.push_back(std::move(watched).value());
   }
@@ -131,11 +129,10 @@ session::HandHooks hooks_of(Watched& watched) {
   return hooks;
 }
 
-Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands, const HandsCommand& command,
-                                                          std::atomic<bool>& stop) {
+Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands, const HandsCommand& command) {
   const bool logged = !command.config.empty();
   const bool terminal = isatty(STDERR_FILENO) != 0 && !logged;
-  auto watched = watch_all(hands, command, nullptr, stop);
+  auto watched = watch_all(hands, command, nullptr);
   if (!watched.ok()) return watched.status();
   AllWatched& all = watched.value();
   session::HandsHooks hooks;
@@ -169,7 +166,7 @@ Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands,
     if (logged) return;
     fmt::print(stderr, "{}tactus run: {}\n", terminal ? "\r\033[K" : "", line);
   };
-  auto summaries = session::run_realtime(hands, hooks, stop);
+  auto summaries = session::run_realtime(hands, hooks, g_stop);
   if (summaries.ok()) end_all(all, summaries.value());
   if (terminal) fmt::print(stderr, "\r\033[K");
   return summaries;
@@ -177,16 +174,16 @@ Result<std::vector<session::RunSummary>> run_in_real_time(session::Hands& hands,
 
 // In virtual time with control sockets: watched, and at the pace that one of the pages asks for.
 Result<std::vector<session::RunSummary>> run_at_pace(session::Hands& hands, const HandsCommand& command,
-                                                     std::uint64_t ticks, std::atomic<bool>& stop) {
+                                                     std::uint64_t ticks) {
   service::Pacing pacing;
   pacing.pace.store(command.pace);
-  auto watched = watch_all(hands, command, &pacing, stop);
+  auto watched = watch_all(hands, command, &pacing);
   if (!watched.ok()) return watched.status();
   AllWatched& all = watched.value();
   if (const Status status = hands.record(command.record); !status.ok()) return status;
   if (const Status status = start_viewers(all, command); !status.ok()) return status;
   service::PacedHandsHooks hooks{
-      .pacing = pacing, .requests = {}, .stop = stop, .stepped = {&stepped, &all}, .look = {}};
+      .pacing = pacing, .requests = {}, .stop = g_stop, .stepped = {&stepped, &all}, .look = {}};
   for (Watched& each : all) hooks.requests.push_back(&each.service->requests());
   hooks.look = [&](std::span<const session::LiveStatus* const> live, double elapsed_s) {
     for (std::size_t hand = 0; hand < live.size(); ++hand) all[hand].look(*live[hand], elapsed_s);
@@ -196,19 +193,17 @@ Result<std::vector<session::RunSummary>> run_at_pace(session::Hands& hands, cons
   return summaries;
 }
 
-Result<std::vector<session::RunSummary>> run(session::Hands& hands, const HandsCommand& command,
-                                             std::atomic<bool>& stop) {
-  constexpr double kDefaultVirtual_s = 10;
+Result<std::vector<session::RunSummary>> run(session::Hands& hands, const HandsCommand& command) {
   const session::RunOptions& options = command.options;
-  if (!options.virtual_time) return run_in_real_time(hands, command, stop);
+  if (!options.virtual_time) return run_in_real_time(hands, command);
   const bool watched = !command.control.empty();
   const double duration_s = options.duration_s == 0 && !watched ? kDefaultVirtual_s : options.duration_s;
   const auto ticks = static_cast<std::uint64_t>(std::llround(duration_s * options.rate_Hz));
-  if (watched) return run_at_pace(hands, command, ticks, stop);
+  if (watched) return run_at_pace(hands, command, ticks);
   if (!command.record.empty() || !command.figures.empty())
     if (const Status status = hands.record(command.record); !status.ok()) return status;
   return session::run_virtual(hands, ticks,
-                              [&](const session::Hands&) { return !stop.load(std::memory_order_relaxed); });
+                              [](const session::Hands&) { return !g_stop.load(std::memory_order_relaxed); });
 }
 
 // By hand; null without --figures.
@@ -273,7 +268,7 @@ Result<std::vector<session::RunOptions>> options_of_hands(const HandsCommand& co
   return options;
 }
 
-int run_hands(const HandsCommand& command, std::atomic<bool>& stop, void (*ask_to_stop)(int)) {
+int run_hands(const HandsCommand& command) {
   const auto options = options_of_hands(command);
   if (!options.ok()) return complain("tactus run: " + options.message(), kExitBadInput);
   auto hardware = open_devices(command.scene, options.value());
@@ -291,9 +286,9 @@ int run_hands(const HandsCommand& command, std::atomic<bool>& stop, void (*ask_t
     (void)hands.value()[hand].rest_hand();
   if (const Status status = take_figures_of(hands.value(), command, figures); !status.ok())
     return complain("tactus run: " + status.message(), kExitBadInput);
-  stop_on_signals(ask_to_stop);
+  stop_on_signals();
   std::signal(SIGPIPE, SIG_IGN);  // the run continues if the reader of the status lines ends
-  const auto summaries = run(hands.value(), command, stop);
+  const auto summaries = run(hands.value(), command);
   if (!summaries.ok()) return complain("tactus run: " + summaries.message(), kExitMachineCannot);
   if (command.json) {
     auto object = to_json(summaries.value(), figures);
@@ -306,7 +301,7 @@ int run_hands(const HandsCommand& command, std::atomic<bool>& stop, void (*ask_t
     }
   }
   // As of one hand: a service that was told to stop has done its work; its log has the faults.
-  if (!command.config.empty() && stop.load(std::memory_order_relaxed)) return kExitGood;
+  if (!command.config.empty() && g_stop.load(std::memory_order_relaxed)) return kExitGood;
   int exit_code = kExitGood;
   for (const session::RunSummary& summary : summaries.value()) exit_code = std::max(exit_code, summary.exit_code());
   return exit_code;

@@ -3,7 +3,6 @@
 // Thread: main.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,6 +12,8 @@
 #include "tools/session/run_options.h"
 
 namespace tactus::tools {
+
+inline constexpr double kDefaultVirtual_s = 10;  // duration in virtual time, where none is given and nobody watches
 
 // What can be given once for all hands, or once for each.
 struct EachHand {
@@ -41,6 +42,6 @@ struct HandsCommand {
 Result<std::vector<session::RunOptions>> options_of_hands(const HandsCommand& command);
 
 // Returns the exit status: the worst of the hands'.
-int run_hands(const HandsCommand& command, std::atomic<bool>& stop, void (*ask_to_stop)(int));
+int run_hands(const HandsCommand& command);
 
 }  // namespace tactus::tools

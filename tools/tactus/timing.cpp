@@ -21,9 +21,6 @@
 namespace tactus::tools {
 namespace {
 
-std::atomic<bool> g_stop_timing{false};  // set by stop_on_signals()
-void ask_to_stop(int) { g_stop_timing.store(true); }
-
 struct TimingCommand {
   timing::TimingOptions options;
   std::string load{"none"}, against, svg, trace, certify;
@@ -107,11 +104,11 @@ int run_timing_command(TimingCommand& command) {
   if (o.with_viewer)
     if (const Status status = viewer.open(); !status.ok())
       return complain("tactus timing: --with-viewer: " + status.message(), kExitMachineCannot);
-  stop_on_signals(ask_to_stop);
+  stop_on_signals();
   const bool terminal = isatty(STDERR_FILENO) != 0;
   timing::TimingProblem problem;
-  const auto result = timing::run_timing(o, terminal ? show_progress : timing::TimingProgress{}, g_stop_timing, problem,
-                                         viewer.watcher());
+  const auto result =
+      timing::run_timing(o, terminal ? show_progress : timing::TimingProgress{}, g_stop, problem, viewer.watcher());
   if (terminal) fmt::print(stderr, "\r\033[K");
   if (!result) return complain("tactus timing: " + problem.text, problem.input ? kExitBadInput : kExitMachineCannot);
   if (result->books.ticks == 0)

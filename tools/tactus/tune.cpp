@@ -13,9 +13,6 @@
 namespace tactus::tools {
 namespace {
 
-std::atomic<bool> g_stop_tuning{false};  // set by stop_on_signals()
-void ask_to_stop(int) { g_stop_tuning.store(true); }
-
 struct TuneCommand {
   tune::TuneRequest request;
   std::string budget;
@@ -43,9 +40,9 @@ int run_tune_command(TuneCommand& command) {
   if (!scene.ok()) return complain_of_each(scene.message(), kExitBadInput);
   command.request.scene = std::move(scene).value();
   if (const int exit_code = keep_budget(command); exit_code != kExitGood) return exit_code;
-  stop_on_signals(ask_to_stop);
+  stop_on_signals();
   if (command.request.quick) command.request.verify_s = 2;
-  const auto report = tune::run_tune(command.request, experiment::terminal_progress(), g_stop_tuning);
+  const auto report = tune::run_tune(command.request, experiment::terminal_progress(), g_stop);
   if (!report.ok()) return complain("tactus tune: " + report.message(), kExitBadInput);
   fmt::print("{}\n", command.json ? tune::tune_json(report.value()) : tune::tune_text(report.value()));
   return report.value().good() ? kExitGood : kExitVerdictBad;

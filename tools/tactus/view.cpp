@@ -21,9 +21,6 @@
 namespace tactus::tools {
 namespace {
 
-std::atomic<bool> g_stop_view{false};  // set by stop_on_signals()
-void ask_to_stop(int) { g_stop_view.store(true); }
-
 struct ViewCommand {
   std::string socket{"/run/tactus/control"};
   std::string tape, beside, link;
@@ -83,10 +80,10 @@ int run_view(const ViewCommand& command, const std::vector<std::string>& rest) {
   const std::string hand = source.value()->hand();
   auto server = view::ViewServer::open(std::move(settings), std::move(source).value());
   if (!server.ok()) return fail(server.message(), kExitMachineCannot);
-  stop_on_signals(ask_to_stop);
+  stop_on_signals();
   const std::string address = server.value()->address() + (command.link.empty() ? "" : "&" + command.link);
   fmt::print(stderr, "tactus view: {}{}\n", hand.empty() ? "" : hand + ": ", address);
-  const view::ViewReport report = server.value()->serve(g_stop_view);
+  const view::ViewReport report = server.value()->serve(g_stop);
   if (command.json) {
     const nlohmann::ordered_json object{{"address", address},
                                         {"source", source_name(command)},

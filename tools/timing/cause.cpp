@@ -18,8 +18,6 @@ using loop::TickTimes;
 // A shorter time off the core is the error of two clocks read one after the other.
 constexpr std::int64_t kNoise_ns = 5'000;
 
-double us(std::int64_t ns) { return static_cast<double>(ns) * 1e-3; }
-
 // For a tick that met its deadline: the part that exceeds its typical value most.
 OverrunCause largest_part(const TickTimes& t, const Typical& typical) {
   const std::int64_t execution = t.wrote_ns - t.woke_ns, rest = execution - (t.computed_ns - t.read_ns);
@@ -48,7 +46,7 @@ std::string machine_evidence(const std::optional<MachineChange>& change) {
     text +=
         fmt::format("; {} device and {} kernel interrupts", change->interrupts->devices, change->interrupts->kernel);
   if (change->waited_ns.value_or(0) > 0)
-    text += fmt::format("; ready and not running {:.0f} us", us(static_cast<std::int64_t>(*change->waited_ns)));
+    text += fmt::format("; ready and not running {:.0f} us", us(*change->waited_ns));
   return text.empty() ? text : text + fmt::format(" in the {:.0f} ms around it", span_ms);
 }
 

@@ -9,6 +9,7 @@
 // [any].
 #pragma once
 
+#include <concepts>
 #include <optional>
 #include <string>
 
@@ -27,6 +28,12 @@ enum class Cause : std::uint32_t {
   kComputing = 6,  // only of a tick in time: computing took longest; for an overrun this would be own work
 };
 inline constexpr std::uint32_t kCauses = 6;  // of overruns
+
+// Nanoseconds in microseconds, the unit of all that people read.
+template <std::integral Integer>
+constexpr double us(Integer ns) noexcept {
+  return static_cast<double>(ns) * 1e-3;
+}
 
 const char* name_of(Cause cause);  // for people
 const char* key_of(Cause cause);   // for JSON

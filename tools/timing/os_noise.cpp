@@ -26,7 +26,7 @@ constexpr std::array<Event, 4> kEvents{{{"irq_noise", Noise::Kind::kInterrupt},
 // The longest period that the kernel accepts, so that its thread disturbs least often.
 constexpr const char* kTimerlatPeriod_us = "1000000";
 
-std::string text_of(const std::string& path) {
+std::string first_line_of(const std::string& path) {
   std::ifstream file(path);
   std::string text;
   std::getline(file, text);
@@ -112,9 +112,9 @@ Status OsNoise::set_up(int cpu, const std::string& tracefs) {
     return write_to(file, text);
   };
   const std::string cpus = tracefs + "/osnoise/cpus", period = tracefs + "/osnoise/timerlat_period_us";
-  if (const Status status = share(cpus, text_of(cpus), std::to_string(cpu)); !status.ok()) return status;
+  if (const Status status = share(cpus, first_line_of(cpus), std::to_string(cpu)); !status.ok()) return status;
   if (const Status status = without_thread ? share(options, "OSNOISE_WORKLOAD", "NO_OSNOISE_WORKLOAD")
-                                           : share(period, text_of(period), kTimerlatPeriod_us);
+                                           : share(period, first_line_of(period), kTimerlatPeriod_us);
       !status.ok())
     return status;
   if (const Status status = write_to(instance + "/trace_clock", "mono"); !status.ok()) return status;

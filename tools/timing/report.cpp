@@ -12,8 +12,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-double us(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
-
 const Histogram& wake(const TimingResult& r) { return r.books.stages[static_cast<std::size_t>(Stage::kWake)]; }
 
 std::string times_line(const std::string& name, const Histogram& h) {

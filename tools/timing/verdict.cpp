@@ -3,11 +3,6 @@
 #include <algorithm>
 
 namespace tactus::timing {
-namespace {
-
-double us(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
-
-}  // namespace
 
 // Limits, as shares of the period. Wake-up: jitter of a tenth of a period is not perceptible; a delay of half a period
 // leaves less computing time than the governor assumes. Computing: 0.6, the governor's budget, and 0.85, where the

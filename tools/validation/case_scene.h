@@ -9,6 +9,8 @@
 
 namespace tactus::hard_cases {
 
+inline constexpr double kMaxForce_N = 30;  // of the device, where the scene names none
+
 sim::Scene case_scene(const std::string& toml, const Setting& setting, double contact_hertz);
 
 }  // namespace tactus::hard_cases

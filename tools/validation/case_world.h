@@ -14,6 +14,7 @@ namespace tactus::hard_cases {
 
 inline constexpr double kGravity = 9.81;  // m/s^2
 inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr BodyId kGround = 1000;  // and the fixed bodies after it; what moves has lower numbers
 
 // Settings with the stiffest contacts that the sub-step resolves, and the relax sweeps that they need. `contact_hertz`:
 // requested by the scene.

@@ -16,7 +16,6 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr BodyId kGround = 1000;
 constexpr unsigned kMaxDelayTicks = 2;
 
 void couple(CaseWorld& world, BodyId proxy, double stiffness, double damping) {

@@ -14,8 +14,6 @@ using physics::EffectSetups;
 using physics::Joint;
 using physics::JointKind;
 
-constexpr BodyId kGround = 1000;
-
 template <class Room>
 EffectSetups with(const typename Room::Setup& setup) {
   EffectSetups setups;

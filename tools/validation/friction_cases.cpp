@@ -12,8 +12,6 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr BodyId kGround = 1000;
-
 Vec3d downhill(double slope) { return {std::cos(slope), 0, -std::sin(slope)}; }
 
 void add_box_on_slope(CaseWorld& world, const Vec3d& half, double slope, double friction) {

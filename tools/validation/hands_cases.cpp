@@ -18,8 +18,6 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr double kMaxForce_N = 30;
-
 // A run, looked at after every tick.
 class LookedAt {
  public:

@@ -11,8 +11,6 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr BodyId kGround = 1000;
-
 // A ball at 10 m/s on a plate of 2 mm. Contacts have no restitution.
 Outcome impact_on_a_plate(const Setting& setting) {
   CaseWorld world(setting);

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace tactus::hard_cases {
@@ -52,8 +51,6 @@ constexpr const char* kLegend =
     "1: every metric within its tolerance; a half less for each factor of ten beyond; 0: a gate broke; -: only in 1 "
     "ms.";
 
-ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
-
 }  // namespace
 
 std::string report_table(const Report& report) {
@@ -98,9 +95,9 @@ std::string report_json(const Report& report) {
     ordered_json metrics = ordered_json::array();
     for (const Metric& m : row.outcome.metrics)
       metrics.push_back({{"name", m.name},
-                         {"observed", number(m.observed)},
-                         {"expected", number(m.expected)},
-                         {"error", number(m.error)},
+                         {"observed", m.observed},
+                         {"expected", m.expected},
+                         {"error", m.error},
                          {"tolerance", m.tolerance},
                          {"score", m.score()}});
     rows.push_back({{"case", row.one->name},
@@ -119,8 +116,8 @@ std::string report_json(const Report& report) {
                      {"engine", row.engine},
                      {"step_ms", 1e3 * row.step_s},
                      {"stands", row.state.stands},
-                     {"sag_mm", number(1e3 * row.state.sag_m)},
-                     {"side_mm", number(1e3 * row.state.side_m)}});
+                     {"sag_mm", 1e3 * row.state.sag_m},
+                     {"side_mm", 1e3 * row.state.side_m}});
   return report_text(ordered_json{{"rows", rows}, {"peers", peers}}, 2);
 }
 

@@ -8,8 +8,6 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr BodyId kGround = 1000;
-
 // Drift, rotation and force ripple of a body at rest on the ground, over `steps`.
 Outcome rests(CaseWorld& world, BodyId id, int steps) {
   world.run(2);

@@ -18,7 +18,6 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr double kMaxForce_N = 30;
 constexpr double kMaxSlew_N = 5;  // a tick
 
 constexpr const char* kHead = R"(

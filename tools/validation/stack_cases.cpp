@@ -10,8 +10,6 @@
 namespace tactus::hard_cases {
 namespace {
 
-constexpr BodyId kGround = 1000;
-
 class StackWorld : public CaseWorld {
  public:
   StackWorld(const StackSpec& spec, const Setting& setting) : CaseWorld(setting), spec_(spec) {

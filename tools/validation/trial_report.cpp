@@ -28,8 +28,6 @@ RandomTrial figures_of(const RandomTrial& trial) {
   return figures;
 }
 
-ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
-
 const char* outcome_of(const RandomTrial& trial) {
   if (trial.collapses_overlapping()) return "collapses, overlapping from the start";
   if (trial.still_falls()) return "collapses: what stood still falls";
@@ -48,17 +46,17 @@ ordered_json figures_json(const RandomTrial& trial) {
           {"standing", row.standing},
           {"fallen", row.fallen},
           {"lost", trial.lost()},
-          {"start_overlap_share", number(trial.start_overlap)},
-          {"off_share", number(row.pose_off_share)},
-          {"energy_gain_share", number(trial.gain())},
-          {"force_error", number(row.force_error)},
-          {"force_rms_N", number(row.force_rms_N)}};
+          {"start_overlap_share", trial.start_overlap},
+          {"off_share", row.pose_off_share},
+          {"energy_gain_share", trial.gain()},
+          {"force_error", row.force_error},
+          {"force_rms_N", row.force_rms_N}};
 }
 
 ordered_json pose_json(const Body& body) {
   const auto& [p, q] = body.motion.pose;
   ordered_json pose = ordered_json::array();
-  for (const double value : {p.x, p.y, p.z, q.w, q.x, q.y, q.z}) pose.push_back(number(value));
+  for (const double value : {p.x, p.y, p.z, q.w, q.x, q.y, q.z}) pose.push_back(value);
   return pose;
 }
 

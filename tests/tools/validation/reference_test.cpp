@@ -19,7 +19,6 @@ namespace {
 
 constexpr double kResidual = 1e-10, kAgreement = 1e-6;
 constexpr std::size_t kMax = 100'000;
-constexpr BodyId kGround = 1000;
 
 // A point of `mass` on the ground, with velocity `v`: the frame's axes are normal, t1, t2.
 ContactProblem point_on_ground(double mass, const Eigen::Vector3d& v, double mu) {

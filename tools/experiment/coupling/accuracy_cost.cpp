@@ -18,7 +18,7 @@
 namespace tactus::experiment {
 namespace {
 
-constexpr unsigned kCountedTicks = 16;  // two cycles at the default ratio, one at the largest
+constexpr unsigned kCountedCycleTicks = 16;  // two cycles at the default ratio, one at the largest
 
 using physics::FrictionSweeps;
 using physics::SweepPrecision;
@@ -212,7 +212,7 @@ void count_instructions(const CostRequest& request, const Progress& progress, st
         counted_instructions(request.program,
                              fmt::format("experiment accuracy-cost --count {} {}{}", scene - cases.begin(), setting,
                                          request.quick ? " --quick" : "")) /
-        kCountedTicks;
+        kCountedCycleTicks;
   }
 }
 
@@ -232,7 +232,7 @@ Status run_counted(const CouplingCase& one, std::size_t setting, bool quick) {
   ScriptedArm arm(profile.value(), session::make_hand(solved), config.placement, config.period_s);
   worlds.start_at_rest();
   const std::size_t first = tick_at(HandTimes::kPressed) / 16 * 16;  // the beginning of a cycle, at every ratio
-  for (std::size_t k = 0; k < first + kCountedTicks; ++k) {
+  for (std::size_t k = 0; k < first + kCountedCycleTicks; ++k) {
     if (k > 0) arm.advance(worlds.last().on_device);
     const bool count = k >= first;
     if (count) start_counting();

@@ -55,7 +55,7 @@ ordered_json json_of(const std::vector<CostPoint>& points) {
   return list;
 }
 
-constexpr CsvColumn kColumns[] = {
+constexpr CsvColumn kCostColumns[] = {
     {"scene", "scene"},
     {"sub_steps [1]", "sub_steps"},
     {"relax_sweeps [1]", "relax_sweeps"},
@@ -134,6 +134,6 @@ std::string cost_json(const CostReport& report) {
                      2);
 }
 
-std::string cost_csv(const CostReport& report) { return csv_of(kColumns, json_of(report.points)); }
+std::string cost_csv(const CostReport& report) { return csv_of(kCostColumns, json_of(report.points)); }
 
 }  // namespace tactus::experiment

@@ -28,7 +28,7 @@ ordered_json json_of(const std::vector<CapacityPoint>& points) {
   return list;
 }
 
-constexpr CsvColumn kColumns[] = {
+constexpr CsvColumn kCapacityColumns[] = {
     {"coupling", "coupling"},
     {"rate [Hz]", "rate_Hz"},
     {"ratio [1]", "ratio"},
@@ -75,6 +75,6 @@ std::string capacity_json(const CapacityReport& report) {
       2);
 }
 
-std::string capacity_csv(const CapacityReport& report) { return csv_of(kColumns, json_of(report.points)); }
+std::string capacity_csv(const CapacityReport& report) { return csv_of(kCapacityColumns, json_of(report.points)); }
 
 }  // namespace tactus::experiment

@@ -40,6 +40,12 @@ std::span<const CouplingCase> coupling_cases() {
   return cases;
 }
 
+std::vector<std::string> coupling_case_names() {
+  std::vector<std::string> names;
+  for (const CouplingCase& one : coupling_cases()) names.push_back(one.name);
+  return names;
+}
+
 Result<CouplingCase> case_of_file(const std::string& path) {
   auto loaded = sim::load_scene(path);
   if (!loaded.ok()) return loaded.status();

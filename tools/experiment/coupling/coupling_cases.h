@@ -24,6 +24,7 @@ struct CouplingCase {
 };
 
 std::span<const CouplingCase> coupling_cases();
+std::vector<std::string> coupling_case_names();
 
 // Times of the hand's script [s].
 struct HandTimes {

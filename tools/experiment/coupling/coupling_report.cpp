@@ -76,7 +76,7 @@ ordered_json json_of(const std::vector<Row>& rows) {
   return list;
 }
 
-constexpr CsvColumn kColumns[] = {
+constexpr CsvColumn kStudyColumns[] = {
     {"scene", "scene"},
     {"coupling", "coupling"},
     {"border", "border"},
@@ -156,6 +156,6 @@ std::string study_json(const StudyReport& report) {
                      2);
 }
 
-std::string study_csv(const StudyReport& report) { return csv_of(kColumns, json_of(report.rows)); }
+std::string study_csv(const StudyReport& report) { return csv_of(kStudyColumns, json_of(report.rows)); }
 
 }  // namespace tactus::experiment

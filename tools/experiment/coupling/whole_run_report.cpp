@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr CsvColumn kColumns[] = {
+constexpr CsvColumn kWholeColumns[] = {
     {"scene", "scene"},
     {"coupling", "coupling"},
     {"border", "border"},
@@ -114,6 +114,6 @@ ordered_json whole_rows_json(std::span<const WholeRunRow> rows) {
   return list;
 }
 
-std::string whole_csv(std::span<const WholeRunRow> rows) { return csv_of(kColumns, whole_rows_json(rows)); }
+std::string whole_csv(std::span<const WholeRunRow> rows) { return csv_of(kWholeColumns, whole_rows_json(rows)); }
 
 }  // namespace tactus::experiment

@@ -26,7 +26,7 @@ constexpr double kPressFrom_s = 0.02, kPressed_s = 0.3, kTap_s = 0.6, kTapped_s 
 // The amplitude after the tap is measured in two windows, far enough apart to detect a stiffness 5 % from the limit.
 constexpr double kEarly_s = 0.62, kWindow_s = 0.25, kLate_s = 1.15, kEnd_s = kLate_s + kWindow_s;
 
-constexpr double kProxyRadius_m = 0.02, kProxy_kg = 0.2;
+constexpr double kPressedProxyRadius_m = 0.02, kProxy_kg = 0.2;
 constexpr BodyId kProxy = 0, kWall = 1;
 
 std::int64_t part_ns(const LoopTiming& timing) {
@@ -74,8 +74,8 @@ haptics::SubWorld wall_under_proxy(const LoopTiming& timing, double stiffness, d
   config.capacities = {.bodies = 1, .fixed_bodies = 1, .pairs = 4, .contacts = 4};
   const auto wall = physics::make_fixed_body(kWall, physics::Shape::plane(), 0.5, {});
   haptics::SubWorld world(config, {&wall, 1});
-  const auto proxy = physics::make_dynamic_body(kProxy, physics::Shape::sphere(kProxyRadius_m), kProxy_kg, 0.5,
-                                                {{0, 0, kProxyRadius_m}, {}});
+  const auto proxy = physics::make_dynamic_body(kProxy, physics::Shape::sphere(kPressedProxyRadius_m), kProxy_kg, 0.5,
+                                                {{0, 0, kPressedProxyRadius_m}, {}});
   world.set_members({&proxy, 1});
   return world;
 }
@@ -112,7 +112,7 @@ bool rings_out(const hal::DeviceDescription& description, const LoopTiming& timi
   command.wanted = haptics::DeviceState::kForce;
   haptics::DeviceTarget target;
   target.engaged = true;
-  const Vec3d place{0, 0, kProxyRadius_m};
+  const Vec3d place{0, 0, kPressedProxyRadius_m};
   double early = 0, late = 0;
   const auto ticks = static_cast<std::uint64_t>(std::llround(kEnd_s * timing.rate_Hz));
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {

@@ -35,7 +35,7 @@ ordered_json json_of(const std::vector<MapRow>& rows) {
   return list;
 }
 
-constexpr CsvColumn kColumns[] = {
+constexpr CsvColumn kMapColumns[] = {
     {"factor", "factor"},
     {"rate [Hz]", "rate_Hz"},
     {"delay [ticks]", "delay_ticks"},
@@ -106,6 +106,6 @@ std::string map_json(const MapReport& report) {
                      2);
 }
 
-std::string map_csv(const MapReport& report) { return csv_of(kColumns, json_of(report.rows)); }
+std::string map_csv(const MapReport& report) { return csv_of(kMapColumns, json_of(report.rows)); }
 
 }  // namespace tactus::experiment

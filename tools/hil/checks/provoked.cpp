@@ -12,7 +12,7 @@ namespace {
 using firmware::Limit;
 using firmware::State;
 
-constexpr std::uint64_t kSettle = 100, kStay = 100;
+constexpr std::uint64_t kSettleAroundFault = 100, kStay = 100;
 
 struct Provocation {
   const char* fault;
@@ -31,12 +31,12 @@ enum Stage : std::uint32_t { kBefore = 0, kDuring = 1, kAfter = 2, kLatched = 3,
 // Sequence: FORCE at zero force; fault on, held, off; then the latch, the re-arm, FORCE again.
 Result<Provoked> provoke(Bench& bench, const Provocation& what) {
   const auto patience = static_cast<double>(bench.provoker().patience().count());
-  const Phase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
+  const Phase plan[] = {{.ticks = kSettleAroundFault, .wanted = State::kForce},
                         {.ticks = bench.ticks(patience), .wanted = State::kForce},
                         {.ticks = bench.ticks(patience), .wanted = what.wanted_after},
                         {.ticks = kStay, .wanted = what.wanted_after},
-                        {.ticks = kSettle, .rearm = true},
-                        {.ticks = kSettle, .wanted = State::kForce}};
+                        {.ticks = kSettleAroundFault, .rearm = true},
+                        {.ticks = kSettleAroundFault, .wanted = State::kForce}};
   Provoked provoked;
   bool on = false, off = false;
   std::size_t records = 0, since_sign = 0;
