@@ -20,12 +20,12 @@ namespace {
 // The package's MuJoCo reserves room for each pair of constraint rows and each row with each velocity, used or not: a
 // hundred bodies take 2 GB of address space, a thousand would take 200.
 constexpr std::size_t kMostBodies = 100;
-constexpr std::size_t kContactsPerBody = 24, kRowsPerContact = 4;
+constexpr std::size_t kRoomForContacts = 24, kRowsPerContact = 4;
 constexpr double kRodMass_kg = 1000;
 // Tuned: the elliptic cone, whose rows are fewer, the conjugate gradient to a coarser tolerance, and contacts as stiff
 // as the step allows. With 10 iterations a stirred heap of 64 is thrown up; Newton's method with 5, and the projected
 // Gauss-Seidel with 20, take longer in one of the two heaps of 64.
-constexpr unsigned kTunedIterations = 50;
+constexpr unsigned kTunedGradientSteps = 50;
 
 std::string numbers(const Vec3d& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v.x, v.y, v.z); }
 std::string numbers(const Quatd& q) { return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", q.w, q.x, q.y, q.z); }
@@ -45,12 +45,12 @@ std::string geometry(const BoxScene& scene, const Cube& body) {
 }
 
 std::string model_of(const BoxScene& scene, const EngineOptions& options) {
-  const std::size_t bodies = scene.cubes.size() + rods_of(scene), contacts = kContactsPerBody * bodies;
+  const std::size_t bodies = scene.cubes.size() + rods_of(scene), contacts = kRoomForContacts * bodies;
   std::string xml =
       fmt::format(R"(<mujoco><compiler inertiafromgeom="false"/><size nconmax="{}" njmax="{}" nstack="{}"/>
 <option timestep="{:.17g}" gravity="0 0 {:.17g}")",
                   contacts, kRowsPerContact * contacts, 4'000'000, scene.step_s, -scene.gravity_m_per_s2);
-  const unsigned iterations = options.iterations > 0 ? options.iterations : options.tuned ? kTunedIterations : 0;
+  const unsigned iterations = options.iterations > 0 ? options.iterations : options.tuned ? kTunedGradientSteps : 0;
   if (options.tuned) xml += R"( solver="CG" cone="elliptic" tolerance="1e-6")";
   if (iterations > 0) xml += fmt::format(R"( iterations="{}")", iterations);
   xml += fmt::format(R"(/>

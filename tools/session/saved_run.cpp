@@ -2,7 +2,6 @@
 #include "tools/session/virtual_run.h"
 
 namespace tactus::session {
-namespace {
 
 // Of one hand.
 struct SavedHand {
@@ -14,6 +13,8 @@ struct SavedHand {
   loop::RunStats stats;
   Session::Progress progress;
 };
+
+namespace {
 
 SavedHand save_hand(const Session& session) {
   std::vector<std::byte> bytes(session.loop->save_size_bound());
