@@ -152,8 +152,7 @@ class MujocoEngine final : public Engine {
   std::string failure() const override {
     for (const int warning : {mjWARN_CONTACTFULL, mjWARN_CNSTRFULL, mjWARN_BADQACC, mjWARN_BADQPOS, mjWARN_BADQVEL})
       if (data_->warning[warning].number > 0)
-        return fmt::format("MuJoCo warns: {}",
-                           mju_warningText(warning, static_cast<std::size_t>(data_->warning[warning].lastinfo)));
+        return fmt::format("MuJoCo warns: {}", mju_warningText(warning, data_->warning[warning].lastinfo));
     return {};
   }
 
