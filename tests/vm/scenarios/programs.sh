@@ -89,6 +89,7 @@ stop() {
 }
 
 # What the device says, into $answer. says VALUE REGISTER; is WORDS: of a state frame.
+# Limit 0x4000: no FORCE before a host has wanted IDLE, which none has since the device's last start.
 ask() { answer=$(ask_device "$host" "$@" 2>&1); }
 says() { ask read "$2" && [ "$answer" = "value=$1" ]; }
 is() { ask state && case $answer in *"$1"*) ;; *) return 1 ;; esac; }
@@ -107,7 +108,7 @@ read -r period <$folder/motor0/period
 read -r enable <$folder/motor0/enable
 [ "$period $enable" = "50000 1" ]
 verdict "the PWM has its period and is on" "period $period, enable $enable"
-wait_for is 'state=1 fault=0 limits=0x0000' && motor 0 0 0
+wait_for is 'state=1 fault=0 limits=0x4000' && motor 0 0 0
 verdict "it is IDLE, motors free and without effort" "$answer; $motor"
 put $folder/count0 120
 put $folder/count1 4294967246  # -50 in 32 bits
@@ -161,15 +162,15 @@ verdict "what was saved is in force after a restart" "$answer, $motor; $(cat $lo
 # --- what ends the effort
 
 pull 3 up
-wait_for is 'state=3 fault=2 limits=0x0200' && motor 0 1 1
+wait_for is 'state=3 fault=2 limits=0x4200' && motor 0 1 1
 verdict "e-stop pressed: BRAKE, zero duty, shorted" "$answer; $motor"
 pull 3 down
-wait_for is 'state=3 fault=2 limits=0x0000' && motor 0 1 1
+wait_for is 'state=3 fault=2 limits=0x4000' && motor 0 1 1
 verdict "e-stop released: stays braked" "$answer; $motor"
 stop
 pull 3 up
 start
-wait_for is 'state=3 fault=2 limits=0x0200' && motor 0 0 1
+wait_for is 'state=3 fault=2 limits=0x4200' && motor 0 0 1
 verdict "begun with the e-stop pressed: BRAKE, zero duty, shorted" "$answer; $motor"
 pull 3 down
 stop
@@ -177,7 +178,7 @@ start
 wait_for motor 10000 1 0
 verdict "begun with the e-stop released: the effort is there" "$motor"
 pull 4 down
-wait_for is 'state=3 fault=5 limits=0x0400' && motor 0 1 1
+wait_for is 'state=3 fault=5 limits=0x4400' && motor 0 1 1
 verdict "motor supply fails: BRAKE, zero duty, shorted" "$answer; $motor"
 pull 4 up
 stop
