@@ -16,6 +16,7 @@ struct Tampering {
   std::function<bool(std::uint64_t)> lose_state{};                          // this one does not arrive
   std::function<void(std::uint64_t, firmware::StateFrame&)> alter_state{};  // its checksum is right again
   std::function<bool(std::uint64_t)> repeat_state{};                        // the one before comes instead
+  std::function<bool(const firmware::CommandFrame&)> supersede_command{};   // a newer one replaces it before it leaves
 };
 
 class TamperedLink {
@@ -41,11 +42,20 @@ class TamperedLink {
     }
     return frame;
   }
-  bool send(std::span<const std::byte> frame) noexcept { return bench.send(frame); }
+  bool send(std::span<const std::byte> frame) noexcept {
+    firmware::CommandFrame command;
+    if (tampering_.supersede_command && firmware::decode_command(frame, command) == firmware::DecodeError::kNone &&
+        tampering_.supersede_command(command)) {
+      ++superseded_;
+      return true;
+    }
+    return bench.send(frame);
+  }
   bool connected() const noexcept { return bench.connected(); }
   hal::LinkCounters counters() const noexcept {
     hal::LinkCounters counters = bench.counters();
     counters.received -= lost_;
+    counters.send_superseded += superseded_;
     return counters;
   }
   Result<firmware::ServiceMessage> call(const firmware::ServiceMessage& request, std::chrono::milliseconds timeout) {
@@ -56,7 +66,7 @@ class TamperedLink {
 
  private:
   Tampering tampering_;
-  std::uint64_t count_{0}, lost_{0};
+  std::uint64_t count_{0}, lost_{0}, superseded_{0};
   std::array<std::byte, firmware::kStateFrameSize> last_{};
 };
 

@@ -1,5 +1,6 @@
 // The hardware-in-the-loop suite against the firmware in the same process: a good device is good, and each kind of bad
 // one is found by the check that is there for it.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tests/system/hil_bench.h"
@@ -105,6 +106,21 @@ TEST_CASE("hil: lost, repeated and renumbered frames are each found and named") 
     const auto finding = bench.check("losses");
     CHECK(finding.verdict == Verdict::kBad);
     CHECK(figure(finding, "reordered") == 5);
+  }
+}
+
+TEST_CASE("hil: a command with NaN that a newer one replaces is sent again") {
+  const auto has_nan = [](const firmware::CommandFrame& f) { return !std::isfinite(f.effort[0]); };
+  SECTION("twice, then it leaves") {
+    int replaced = 0;
+    HilBench bench(
+        {.supersede_command = [&](const firmware::CommandFrame& f) { return has_nan(f) && ++replaced <= 2; }});
+    CHECK(figure(bench.check("not-finite"), "frames_to_safe") == 1);
+    CHECK(replaced == 3);
+  }
+  SECTION("always: that the device brakes is not shown") {
+    HilBench bench({.supersede_command = has_nan});
+    CHECK(bench.check("not-finite").verdict == Verdict::kBad);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "tools/experiment/allocation_count.h"
 #include "tools/experiment/statistics.h"

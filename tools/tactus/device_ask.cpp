@@ -24,11 +24,11 @@ struct AskCommand {
   bool write{false}, json{false};
 };
 
-int refuse_words(const std::string& text, int exit_code = kExitBadInput) {
+int refuse_request(const std::string& text, int exit_code = kExitBadInput) {
   return complain("tactus device ask: " + text, exit_code);
 }
 
-int refuse_device(const std::string& text) { return refuse_words(text, kExitMachineCannot); }
+int refuse_device(const std::string& text) { return refuse_request(text, kExitMachineCannot); }
 
 constexpr const char* kForms = "read [REGISTER]..., write REGISTER VALUE, execute REGISTER [VALUE], faults, needs";
 
@@ -56,7 +56,7 @@ int read_and_show(const AskCommand& c, hal::AnyLink& link) {
   std::vector<RegisterValue> all;
   for (std::size_t i = 1; i < c.words.size(); ++i) {
     const auto name = device::find_by_name(c.words[i]);
-    if (!name.ok()) return refuse_words(name.message());
+    if (!name.ok()) return refuse_request(name.message());
     const auto values = device::read_registers(link, name.value());
     if (!values.ok()) return refuse_device(values.message());
     all.insert(all.end(), values.value().begin(), values.value().end());
@@ -69,21 +69,21 @@ int read_and_show(const AskCommand& c, hal::AnyLink& link) {
 int write_and_show(const AskCommand& c, hal::AnyLink& link) {
   const bool executes = c.words[0] == "execute";
   if (c.words.size() != 3 && !(executes && c.words.size() == 2))
-    return refuse_words(fmt::format("accepted: {}", kForms));
+    return refuse_request(fmt::format("accepted: {}", kForms));
   const auto name = device::find_by_name(c.words[1]);
-  if (!name.ok()) return refuse_words(name.message());
+  if (!name.ok()) return refuse_request(name.message());
   const firmware::Register& row = *name.value().row;
   if ((row.access == firmware::Access::kCommand) != executes)
-    return refuse_words(fmt::format("{} is {}; accepted: {}", row.name, executes ? "no command" : "a command",
-                                    executes ? "write" : "execute"));
+    return refuse_request(fmt::format("{} is {}; accepted: {}", row.name, executes ? "no command" : "a command",
+                                      executes ? "write" : "execute"));
   if (row.access == firmware::Access::kRead)
-    return refuse_words(
+    return refuse_request(
         fmt::format("{} is told by the device and cannot be written; accepted: read {}", row.name, row.name));
   if (name.value().count != 1)
-    return refuse_words(
+    return refuse_request(
         fmt::format("{} are {} registers; accepted: one of them, such as {}[0]", row.name, row.count, row.name));
   const auto bits = device::parse_value(row, c.words.size() == 3 ? c.words[2] : "0");
-  if (!bits.ok()) return refuse_words(bits.message());
+  if (!bits.ok()) return refuse_request(bits.message());
   const auto is_now = device::write_register(link, name.value(), bits.value());
   if (!is_now.ok()) return refuse_device(is_now.message());
   return show(c, {{&row, name.value().first, is_now.value()}});
@@ -156,10 +156,10 @@ Result<std::unique_ptr<hal::AnyLink>> open_link(const AskCommand& c, const hal::
 int run_ask(const AskCommand& c) {
   const std::string what = c.words.empty() ? "read" : c.words[0];
   if (what != "read" && what != "write" && what != "execute" && what != "faults" && what != "needs")
-    return refuse_words(fmt::format("'{}' is none; accepted: {}", what, kForms));
-  if (c.write && what != "needs") return refuse_words("--write goes with needs; accepted: write REGISTER VALUE");
+    return refuse_request(fmt::format("'{}' is none; accepted: {}", what, kForms));
+  if (c.write && what != "needs") return refuse_request("--write goes with needs; accepted: write REGISTER VALUE");
   if (c.device.empty() && (what != "needs" || c.write))
-    return refuse_words("--device is required; accepted: usb, usb:SERIAL, can:IFACE, can:IFACE:NODE, sim");
+    return refuse_request("--device is required; accepted: usb, usb:SERIAL, can:IFACE, can:IFACE:NODE, sim");
   const auto profile = session::find_description(c.profile, c.device_file);
   if (!profile.ok()) return complain_of_each(profile.message(), kExitBadInput);
   if (c.device.empty()) return show_needs(c, profile.value(), nullptr);

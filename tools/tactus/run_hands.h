@@ -13,7 +13,7 @@
 
 namespace tactus::tools {
 
-inline constexpr double kDefaultVirtual_s = 10;  // duration in virtual time, where none is given and nobody watches
+inline constexpr double kDefaultVirtual_s = 10;  // of virtual time, without --duration, --view and --control
 
 // What can be given once for all hands, or once for each.
 struct EachHand {

@@ -22,13 +22,13 @@ struct IncidentFace {
 };
 
 struct ClipPoint {
-  double u, v, w;  // m
-  std::uint8_t
-      id;     // a corner of the incident box 0..7, the crossing of its edge with a side, a corner of the rectangle
-  bool kept;  // was a point of the last step's manifold
+  double u, v, w;   // m
+  std::uint8_t id;  // see below
+  bool kept;        // was a point of the last step's manifold
 };
 
-// Ids: crossings from kFirstCrossing, four sides an edge; corners of the rectangle from kFirstOfRectangle.
+// Ids: corners of the incident box 0..7; from kFirstCrossing the crossings of its edges with the sides, four an edge;
+// from kFirstOfRectangle the corners of the rectangle.
 inline constexpr std::uint8_t kFirstCrossing = 8, kFirstOfRectangle = kFirstCrossing + 4 * 12;
 
 // At most two points an edge and the rectangle's corners.

@@ -2,10 +2,11 @@
 // reduce to four points. Inside narrow phase. Thread: [any]; pure. Bound: linear in the points.
 //
 // Frame: that of the reference face: u, v along it, w outward. Units: m. A Polygon has `count` and an array `points` of
-// u, v, w, `id` (the same corner has the same id from step to step), `kept` (was a point of the last step's
-// manifold) and, to be clipped, `line` (label of the line from this point to the next). Noise must not change the
-// choice of points: a contact whose points alternate from step to step never comes to rest. Source: clipping by half
-// planes, Sutherland and Hodgman 1974.
+// u, v, w, `id` (the same corner has the same id from step to step), `kept` (was a point of the last step's manifold)
+// and, to be clipped, `line` (label of the line from this point to the next). Noise must not change the choice of
+// points: a contact whose points alternate from step to step never comes to rest.
+//
+// Source: clipping by half planes, Sutherland and Hodgman 1974.
 #pragma once
 
 #include <algorithm>
