@@ -62,7 +62,7 @@ Result<OpenedLink> open_link(const DeviceRequest& request) {
 extern const DeviceClass can_class;
 const DeviceClass can_class{.name = "can",
                             .forms = "can:IFACE, can:IFACE:NODE",
-                            .what = "a device with tactus' firmware or wire, on classic CAN or CAN FD",
+                            .what = "a device with tactus' firmware or wire protocol, on classic CAN or CAN FD",
                             .real = true,
                             .check_address = check_address,
                             .open = open_over<open_link>,

@@ -130,7 +130,7 @@ extern const DeviceClass drives_class, simulated_drives_class;
 
 const DeviceClass drives_class{.name = "drives",
                                .forms = "drives, drives:IFACE, drives:IFACE,IFACE",
-                               .what = "an arm of CAN drives, by a description with [drives]",
+                               .what = "an arm of CAN drives, whose description has [drives]",
                                .real = true,
                                .check_address = check_address,
                                .open = open,

@@ -15,7 +15,7 @@ Result<OpenedDevice> open(const DeviceRequest&) {
 extern const DeviceClass example_class;
 const DeviceClass example_class{.name = "example",
                                 .forms = "example",
-                                .what = "a puck on springs: the template of one's own class",
+                                .what = "a puck on springs: a template for your own class",
                                 .check_address = check_no_address,
                                 .open = open,
                                 .describes_itself = true};

@@ -121,7 +121,7 @@ extern const DeviceClass falcon_class, simulated_falcon_class;
 const DeviceClass falcon_class{
     .name = "falcon",
     .forms = "falcon, falcon:FIRMWARE, falcon:FIRMWARE,GAIN, falcon:[FIRMWARE[,GAIN]]@USB-PORT",
-    .what = "a Novint Falcon on USB, with its user's firmware image",
+    .what = "a Novint Falcon on USB, with the user's firmware image",
     .real = true,
     .check_address = check_address,
     .open = open,

@@ -24,7 +24,7 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
 extern const DeviceClass simulated_class;
 const DeviceClass simulated_class{.name = "sim",
                                   .forms = "sim",
-                                  .what = "the firmware on simulated mechanics, of any description",
+                                  .what = "the firmware on simulated mechanics, for any description",
                                   .check_address = check_no_address,
                                   .open = open,
                                   .hand_by_script = true};

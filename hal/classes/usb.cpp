@@ -25,7 +25,7 @@ std::vector<std::string> takes(std::string_view address, const DeviceDescription
 extern const DeviceClass usb_class;
 const DeviceClass usb_class{.name = "usb",
                             .forms = "usb, usb:SERIAL",
-                            .what = "a device with tactus' firmware or wire, on USB",
+                            .what = "a device with tactus' firmware or wire protocol, on USB",
                             .real = true,
                             .check_address = check_address,
                             .open = open_over<open_link>,

@@ -15,6 +15,7 @@
 #include "tools/service/configuration.h"
 #include "tools/session/distinct_devices.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/timing/budget.h"
 
 namespace tactus::tools {
@@ -90,18 +91,18 @@ int check_file(const ConfigOptions& options) {
 
 CLI::App* add_config_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<ConfigOptions>();
-  CLI::App* config = program.add_subcommand("config", "The configuration file of an installed tactus.");
+  CLI::App* config = program.add_subcommand("config", "Check the configuration file of an installed tactus.");
   config->footer("Example:\n  tactus config check /etc/tactus/tactus.toml");
   CLI::App* check = config->add_subcommand(
-      "check", "Says everything that is wrong with the file, and with the scene, device and budget that it names.");
+      "check", "Report every mistake in the file, and in the scene, device and budget that it names.");
   check->footer(
       "Tables: scene = PATH; [device] name, file, gpio; [[device]] name, file, gpio, core;\n"
       "[rates] rate_Hz, ratio; [cores] haptic, priority, world, world_threads;\n"
       "[limits] members, budget; [control] socket, arm_at_start, rearm; [log] interval_s.\n"
-      "Exit status: 0 good; 2 not, a line for each mistake.\n\nExample:\n  tactus config check "
+      "Exit status: 0 good; 2 mistakes, a line for each.\n\nExample:\n  tactus config check "
       "/etc/tactus/tactus.toml");
-  check->add_option("FILE", options->file, "TOML")->required();
-  check->add_flag("--json", options->json, "one JSON object on stdout");
+  check->add_option("FILE", options->file, "configuration file (TOML)")->required();
+  check->add_flag("--json", options->json, help::kJson);
   check->callback([options, &exit_code] { exit_code = check_file(*options); });
   return config;
 }

@@ -7,6 +7,7 @@
 #include "tools/json_text.h"
 #include "tools/service/control_server.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -54,23 +55,22 @@ int ask(const ControlOptions& options) {
 
 CLI::App* add_control_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<ControlOptions>();
-  CLI::App* control = program.add_subcommand("control",
-                                             "Asks a running tactus: state, arm, rearm, disarm, reset, reload, stop; "
-                                             "play, pause, tick, cycle in virtual time.");
+  CLI::App* control =
+      program.add_subcommand("control", "Send a request to a running tactus, such as state, arm, reset or stop.");
   control->footer(
-      "A run has a socket where its configuration ([control] socket) or --control names one. Who may write to the\n"
-      "socket may do all of this. Exit status: 0 done; 1 refused; 3 nobody answers.\n\n"
+      "A run has a control socket if its configuration ([control] socket) or --control names one. Whoever may write\n"
+      "to the socket may send every request. Exit status: 0 done; 1 refused; 3 no run answers.\n\n"
       "Examples:\n  tactus control state --json\n  tactus control rearm --socket /run/tactus/control");
   control
       ->add_option(
           "REQUEST", options->request,
-          "state, arm, rearm, disarm, reset (the scene back to its start), reload, stop; of a run in virtual time\n"
-          "play, pause, tick, cycle")
+          "state, arm, rearm, disarm, reset (the scene starts again), reload, stop; in virtual time also play, pause,\n"
+          "tick, cycle")
       ->required()
       ->check(CLI::IsMember(
           {"state", "arm", "rearm", "disarm", "reset", "reload", "stop", "play", "pause", "tick", "cycle"}));
-  control->add_option("--socket", options->socket, "of the run")->capture_default_str();
-  control->add_flag("--json", options->json, "the answer as it came: one JSON object on stdout");
+  control->add_option("--socket", options->socket, help::kSocket)->capture_default_str();
+  control->add_flag("--json", options->json, help::kJson);
   control->callback([options, &exit_code] { exit_code = ask(*options); });
   return control;
 }

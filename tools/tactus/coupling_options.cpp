@@ -10,6 +10,7 @@
 #include "tools/tactus/commands.h"
 #include "tools/tactus/coupling_parts.h"
 #include "tools/tactus/experiments.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -37,36 +38,33 @@ std::vector<std::string> arguments_of(const CouplingOptions& o, const experiment
 
 void add_coupling_options(CLI::App& command, CouplingOptions& options) {
   options.name = command.get_name();
-  command.add_option("--scenes", options.scenes, "scenes, separated by commas; all by default")
+  command.add_option("--scenes", options.scenes, help::kScenes)
       ->delimiter(',')
       ->check(CLI::IsMember(experiment::coupling_case_names()));
-  command.add_option("--scene", options.scene_files, "any scene file instead, with its own hand; may be given again")
+  command
+      .add_option("--scene", options.scene_files, "scene file with its own hand, instead of --scenes; may be repeated")
       ->check(CLI::ExistingFile);
   command
       .add_option("--whole", options.whole_s,
-                  "also whole runs of so many seconds, from rest, with the hand of the scene's own script")
+                  "duration of whole runs, from rest and with the scene's own hand, that are compared too [s]")
       ->check(CLI::Range(1.0, 600.0));
-  command.add_option("--borders", options.borders, "borders, separated by commas; all that are compared by default")
+  command.add_option("--borders", options.borders, help::list_of("borders of the sub-world", "all that are compared"))
       ->delimiter(',')
       ->check(CLI::IsMember(sim::border_names()));
-  command.add_option("--ratios", options.ratios, "ticks per global step, separated by commas; default 1,2,4,8,16")
+  command.add_option("--ratios", options.ratios, help::list_of(help::kRatio, "1,2,4,8,16"))
       ->delimiter(',')
       ->check(CLI::Range(1, 100));
-  command.add_option("--seeds", options.seeds, "hands that press and slide a little differently")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  command
-      .add_option("--members", options.members,
-                  "caps of the sub-world, separated by commas; default: what the scene's case says")
+  command.add_option("--seeds", options.seeds, help::kSeeds)->check(CLI::Range(0, 1000))->capture_default_str();
+  command.add_option("--members", options.members, help::list_of(help::kMembers, "that of the scene"))
       ->delimiter(',')
       ->check(CLI::Range(1, 256));
-  command.add_option("--order", options.order, "in which the contact graph is cut: best-first or breadth-first")
+  command.add_option("--order", options.order, help::kOrder)
       ->check(CLI::IsMember({"best-first", "breadth-first"}))
       ->capture_default_str();
-  options.parts.add(command, "scenes and caps");
-  options.output.add_csv(command, "writes the rows to this file, units in the header");
-  options.output.add_page(command, "them");
-  options.output.add_quick(command, "about a minute: two seeds, two windows each, ratios 2, 8 and 16");
+  options.parts.add(command);
+  options.output.add_csv(command);
+  options.output.add_page(command);
+  options.output.add_quick(command, "two seeds, two windows each, ratios 2, 8 and 16, in about a minute");
   options.output.add_json(command);
 }
 

@@ -28,15 +28,16 @@ struct CouplingOptions {
 
 // Help text of both: what a whole run is, and when a body stands.
 inline constexpr const char* kWholeRunsHelp =
-    "--whole SECONDS also compares whole runs, from rest, with the scene's own hand: closed, its arm in the loop of\n"
-    "the run itself, and direct, the arm's motion of the direct run (not with --quick). off: the body farthest from\n"
-    "where the direct run has it, at the end and at any time. by quarter: each over the force of the whole run. A\n"
-    "body stands where it ends within half of its smallest extent of where the direct run has it, turned by less than\n"
-    "0.5 rad against it; what the direct run itself drops, turns over or leaves faster than 1 cm/s does not count.\n"
-    "gain: kinetic and potential energy beyond the start and the hand's work, less the direct run's, of the energy at\n"
-    "play (the hand's work and each body's weight times its extent). The row '1 um apart' is a direct run whose proxy\n"
-    "starts 1 um aside: less than it is off by cannot be told from chance. The row '2x sub-steps' is a direct run of\n"
-    "as many: by that the direct run itself is not known better. --seeds 0 leaves the windows out.\n";
+    "--whole SECONDS also compares whole runs, from rest, with the scene's own hand. closed: the arm is in the\n"
+    "loop of the run itself. direct: the arm's motion is that of the direct run (not with --quick). off: distance\n"
+    "of the body that is farthest from its pose in the direct run, at the end and at any time. by quarter: force\n"
+    "error of each quarter over the force of the whole run. A body stands if it ends within half of its smallest\n"
+    "extent of its pose in the direct run, turned by less than 0.5 rad; a body that the direct run itself drops,\n"
+    "turns over or leaves faster than 1 cm/s does not count. gain: kinetic and potential energy beyond the start\n"
+    "and the hand's work, less that of the direct run, as a share of the energy at play (the hand's work and each\n"
+    "body's weight times its extent). The row '1 um apart' is a direct run whose proxy starts 1 um aside: smaller\n"
+    "deviations cannot be told from chance. The row '2x sub-steps' is a direct run with twice the sub-steps: its\n"
+    "deviation is the uncertainty of the direct run. --seeds 0 omits the windows.\n";
 
 void add_coupling_options(CLI::App& command, CouplingOptions& options);
 

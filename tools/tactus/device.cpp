@@ -4,7 +4,8 @@
 namespace tactus::tools {
 
 CLI::App* add_device_command(CLI::App& program, int& exit_code) {
-  CLI::App* device = program.add_subcommand("device", "A device's registers, its description, its calibration.");
+  CLI::App* device = program.add_subcommand(
+      "device", "Read and write a device's registers, write its description, calibrate an arm of drives.");
   device->footer(
       "Examples:\n  tactus device ask --device usb\n"
       "  tactus device new --kind point_arm --family damiao --out my_arm.toml\n"

@@ -11,6 +11,7 @@
 #include "tools/json_report.h"
 #include "tools/session/find_description.h"
 #include "tools/tactus/device.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -176,27 +177,28 @@ int run_ask(const AskCommand& c) {
 void add_device_ask_command(CLI::App& device, int& exit_code) {
   auto command = std::make_shared<AskCommand>();
   CLI::App* app = device.add_subcommand(
-      "ask", "Reads and writes registers of a device on tactus' wire; what a description needs of them.");
+      "ask", "Read and write registers of a device with tactus' wire protocol; compare them with a description.");
   app->footer(
-      "WHAT: read (all), read REGISTER..., write REGISTER VALUE, execute REGISTER [VALUE], faults (the fault log), or\n"
-      "needs: the registers that the description needs, as a run compares them; without --device these alone. A\n"
-      "register is named as in firmware/PROTOCOL.md, one of a family as max_effort[2], or by its number. Do not ask a\n"
-      "device that a run drives. Nothing here moves a motor. Exit status: 0 good; 1 needs: the device differs; 2 bad\n"
-      "usage; 3 no such device, or it refuses.\n\n"
-      "Examples:\n  tactus device ask --device usb\n  tactus device ask --device can:can0 read quantum serial\n"
+      "WHAT: read (all), read REGISTER..., write REGISTER VALUE, execute REGISTER [VALUE], faults (the fault log),\n"
+      "or needs: the register values that the description requires, compared with the device's as a run does;\n"
+      "without --device they are only printed. A register has its name in firmware/PROTOCOL.md, an element of an\n"
+      "array as in max_effort[2], or its number. Do not use this while a run drives the device. No request moves a\n"
+      "motor.\n"
+      "Exit status: 0 good; 1 needs: the device differs; 2 bad usage; 3 no such device, or it refuses the request.\n\n"
+      "Examples:\n"
+      "  tactus device ask --device usb\n"
+      "  tactus device ask --device can:can0 read quantum serial\n"
       "  tactus device ask --device usb write max_effort[2] 3.5\n"
       "  tactus device ask --device usb --device-file my_arm.toml needs --write\n"
       "  tactus device ask --device usb execute save");
-  app->add_option("WHAT", command->words, "default: read");
-  app->add_option("--device", command->device, "usb, usb:SERIAL, can:IFACE, can:IFACE:NODE, or sim");
-  app->add_option("--device-file", command->device_file, "describes the device; default: --profile");
-  app->add_option("--profile", command->profile, "the built-in description: virtuose6d or desk3d")
-      ->capture_default_str();
-  app->add_option("--rate", command->rate_Hz, "of the device [Hz]")
-      ->check(CLI::Range(100, 10000))
-      ->capture_default_str();
-  app->add_flag("--write", command->write, "with needs: write those that the device does not have");
-  app->add_flag("--json", command->json, "one JSON object on stdout, units in the values");
+  app->add_option("WHAT", command->words, "request, see below; default: read");
+  app->add_option("--device", command->device, "device: usb, usb:SERIAL, can:IFACE, can:IFACE:NODE, or sim");
+  app->add_option("--device-file", command->device_file, std::string(help::kDeviceFile) + "; default: --profile");
+  app->add_option("--profile", command->profile, help::kProfile)->capture_default_str();
+  app->add_option("--rate", command->rate_Hz, help::kRate)->check(CLI::Range(100, 10000))->capture_default_str();
+  app->add_flag("--write", command->write,
+                "with needs: write the registers whose values differ from the description's");
+  app->add_flag("--json", command->json, help::kJson);
   app->callback([command, &exit_code] { exit_code = run_ask(*command); });
 }
 

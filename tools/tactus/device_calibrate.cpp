@@ -17,6 +17,7 @@
 #include "tools/device/free_arm.h"
 #include "tools/json_report.h"
 #include "tools/tactus/device.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -243,24 +244,25 @@ int run_calibrate(const CalibrateCommand& c) {
 
 void add_device_calibrate_command(CLI::App& device, int& exit_code) {
   auto command = std::make_shared<CalibrateCommand>();
-  CLI::App* app = device.add_subcommand("calibrate", "Signs, offsets and ranges of an arm of drives, at zero force.");
+  CLI::App* app =
+      device.add_subcommand("calibrate", "Measure the signs, offsets and ranges of an arm of drives, at zero force.");
   app->footer(
-      "No drive is enabled while the tool is moved; a moteus and an ODrive are enabled without torque for some\n"
-      "milliseconds when they are opened, to see that their watchdog works. It asks to hold the tool at the centre of\n"
-      "the workspace, then a step along x, y and z, with a wrist also turned, then to move it along all stops. From "
-      "the\n"
-      "centre come the offsets, from the steps the signs; the ratio that the steps show must be the description's\n"
-      "within a third. Then --out gets the description with them. With drives-sim a simulated hand moves the tool.\n"
+      "No drive is enabled while the tool is moved. A moteus and an ODrive are enabled without torque for some\n"
+      "milliseconds when they are opened, to test their watchdog. The program asks you to hold the tool at the\n"
+      "centre of the workspace, then to move it a step along x, y and z (with a wrist also to turn it), then along\n"
+      "all stops. The pose at the centre gives the offsets, the steps give the signs; the measured ratio must agree\n"
+      "with the description's within a third. With drives-sim a simulated hand moves the tool.\n"
       "Exit status: 0 good; 1 an axis is in doubt, and nothing is written; 2 bad usage; 3 a drive does not answer.\n\n"
-      "Examples:\n  tactus device calibrate --device drives --device-file my_arm.toml --out my_arm.toml\n"
+      "Examples:\n"
+      "  tactus device calibrate --device drives --device-file my_arm.toml --out my_arm.toml\n"
       "  tactus device calibrate --device drives-sim --device-file hal/devices/point_arm_drives.toml --out new.toml");
-  app->add_option("--device", command->device, "drives, drives:IFACE, drives:IFACE,IFACE, or drives-sim")
+  app->add_option("--device", command->device, "device: drives, drives:IFACE, drives:IFACE,IFACE, or drives-sim")
       ->capture_default_str();
-  app->add_option("--device-file", command->device_file, "describes the arm")->required();
+  app->add_option("--device-file", command->device_file, help::kDeviceFile)->required();
   app->add_option("--simulated", command->simulated,
-                  "with drives-sim: the description of the arm that is there, if it is not --device-file's");
-  app->add_option("--out", command->out, "write the description with signs and offsets here");
-  app->add_flag("--json", command->json, "one JSON object on stdout, units in the keys");
+                  "file that describes the simulated arm of drives-sim; default: --device-file");
+  app->add_option("--out", command->out, "write the description with the measured signs and offsets to this file");
+  app->add_flag("--json", command->json, help::kJson);
   app->callback([command, &exit_code] { exit_code = run_calibrate(*command); });
 }
 

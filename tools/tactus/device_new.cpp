@@ -13,6 +13,7 @@
 #include "hal/drives/drive_check.h"
 #include "tools/device/new_description.h"
 #include "tools/tactus/device.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -161,28 +162,28 @@ int run_new(NewCommand& c) {
 void add_device_new_command(CLI::App& device, int& exit_code) {
   auto command = std::make_shared<NewCommand>();
   NewDescription& d = command->description;
-  CLI::App* app = device.add_subcommand("new", "A description file of a device, from options or questions.");
+  CLI::App* app = device.add_subcommand(
+      "new", "Write the description file of a device, from options or from answers to questions.");
   app->footer(
-      "On a terminal without --kind, or with --ask, it asks for every figure that no option gives. The description is\n"
-      "checked as a run checks it: ranges of the drives, identifiers, load of the buses. What only a measurement "
-      "tells\n"
-      "is an estimate, and the file says so. A figure that is not given is one that goes with the others for an arm "
-      "of\n"
-      "this size. Without --out the description is printed; with it a scene is written, too, whose gains the arm "
-      "bears.\n"
-      "Exit status: 0 good; 2 a figure does not go with the others.\n\n"
-      "Examples:\n  tactus device new --kind point_arm --family damiao --out my_arm.toml\n"
+      "On a terminal without --kind, or with --ask, it asks for every value that no option gives. The description\n"
+      "is checked as a run checks it: ranges of the drives, identifiers, load of the buses. A value that only a\n"
+      "measurement can give is an estimate, and the file marks it so. Values that are not given are chosen to suit\n"
+      "the others, for an arm of this size. Without --out the description is printed; with it a scene is written as\n"
+      "well, whose gains are stable on the arm. Exit status: 0 good; 2 a value does not suit the others.\n\n"
+      "Examples:\n"
+      "  tactus device new --kind point_arm --family damiao --out my_arm.toml\n"
       "  tactus device new --kind wristed_arm --family moteus --buses can0,can1 --ratio 8 --peak-torque 0.5\n"
       "  tactus device new --ask --out my_arm.toml");
-  command->kind = app->add_option("--kind", d.kind, "point_arm, wristed_arm or stage")->capture_default_str();
+  command->kind = app->add_option("--kind", d.kind, "kinematics of the device: point_arm, wristed_arm or stage")
+                      ->capture_default_str();
   command->family = app->add_option("--family", d.family,
-                                    "of the drives: damiao, cubemars, mini_cheetah, robstride, moteus, odrive; or\n"
-                                    "firmware: a device on tactus' own wire")
+                                    "family of the drives: damiao, cubemars, mini_cheetah, robstride, moteus, odrive;\n"
+                                    "or firmware: a device with tactus' wire protocol")
                         ->capture_default_str();
-  app->add_option("--name", d.name, "for messages")->capture_default_str();
+  app->add_option("--name", d.name, "name of the device in messages")->capture_default_str();
   command->buses = app->add_option(
-      "--buses", d.buses, "CAN interfaces, a comma between two; default: can0, or can0,can1 where one is not enough");
-  app->add_option("--watchdog", d.watchdog_ms, "of the drives [ms], at most 10")->capture_default_str();
+      "--buses", d.buses, "CAN interfaces, separated by commas; default: can0, or can0,can1 if one bus is not enough");
+  app->add_option("--watchdog", d.watchdog_ms, "watchdog time of the drives [ms]; at most 10")->capture_default_str();
   for (const Question& question : device::questions()) {
     const std::string unit = question.unit[0] == 0 ? "" : fmt::format(" [{}]", question.unit);
     CLI::Option* option = app->add_option(question.option, d.*question.value, question.text + unit);
@@ -190,11 +191,12 @@ void add_device_new_command(CLI::App& device, int& exit_code) {
     command->options.push_back(option);
   }
   app->add_option("--rate", d.rate_Hz,
-                  "of the loop [Hz], for the load of the buses; default: 1000, of six RobStrides 900")
+                  std::string(help::kRate) + ", for the load of the buses; default: 1000; with six RobStrides 900")
       ->check(CLI::Range(100, 10000));
-  app->add_option("--out", command->out, "write the file here, and beside it a scene to try it in: my_arm_scene.toml");
-  app->add_flag("--ask", command->ask, "ask for what no option gives");
-  app->add_flag("--overwrite", command->overwrite, "replace the file");
+  app->add_option("--out", command->out,
+                  "write the description to this file, and beside it a scene to try it in, such as my_arm_scene.toml");
+  app->add_flag("--ask", command->ask, "ask for every value that no option gives");
+  app->add_flag("--overwrite", command->overwrite, help::kOverwrite);
   app->callback([command, &exit_code] { exit_code = run_new(*command); });
 }
 

@@ -10,6 +10,7 @@
 #include "tools/doctor/examine.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -92,24 +93,27 @@ int examine(DoctorOptions options) {
 
 CLI::App* add_doctor_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* doctor = program.add_subcommand("doctor", "Is this PC fit for the rate? Each finding with its cure.");
+  CLI::App* doctor = program.add_subcommand(
+      "doctor", "Check whether this PC can keep the haptic rate; print what to do about each finding.");
   doctor->footer(
-      "green: as it should be; amber: late wake-ups now and then; red: deadlines will be missed, or it will not run.\n"
-      "Nothing is changed. Exit status: 0 nothing is red; 1 something is; 2 bad usage.\n\n"
-      "Example:\n  tactus doctor --cpu 3\n  tactus doctor --device can:can0\n  tactus doctor --fix > cure.sh");
-  doctor
-      ->add_option("--cpu", options->request.cpu, "core of the haptic thread; by default the last this process may use")
-      ->check(CLI::Range(0, 4095));
-  doctor->add_option("--rate", options->request.rate_Hz, "ticks a second that the link must carry [Hz]")
+      "green: as it should be; amber: occasional late wake-ups; red: deadlines will be missed, or tactus will not\n"
+      "run. The program changes nothing. Exit status: 0 no finding is red; 1 a finding is red; 2 bad usage.\n\n"
+      "Example:\n"
+      "  tactus doctor --cpu 3\n"
+      "  tactus doctor --device can:can0\n"
+      "  tactus doctor --fix > cure.sh");
+  doctor->add_option("--cpu", options->request.cpu, help::kCpu)->check(CLI::Range(0, 4095));
+  doctor->add_option("--rate", options->request.rate_Hz, help::kRate)
       ->check(CLI::Range(100.0, 20000.0))
       ->capture_default_str();
-  doctor->add_option("--device", options->device, "looks at its bus, too:\n" + hal::described_devices())
+  doctor->add_option("--device", options->device, help::devices("device whose bus is checked too"))
       ->capture_default_str();
-  doctor->add_flag("--gpio", options->request.gpio, "look at the GPIO lines, too");
-  doctor->add_option("--tree", options->root,
-                     "examine a recorded tree of another machine instead (proc, sys, process)");
-  doctor->add_flag("--fix", options->fix, "print the commands that would cure the findings; runs none of them");
-  doctor->add_flag("--json", options->json, "one JSON object on stdout");
+  doctor->add_flag("--gpio", options->request.gpio, "check the GPIO lines too");
+  doctor->add_option(
+      "--tree", options->root,
+      "folder with the recorded /proc, /sys and process data of another machine, to check instead of this one");
+  doctor->add_flag("--fix", options->fix, "print the commands that would correct the findings; none of them is run");
+  doctor->add_flag("--json", options->json, help::kJson);
   doctor->callback([options, &exit_code] { exit_code = examine(*options); });
   return doctor;
 }

@@ -7,7 +7,8 @@
 namespace tactus::tools {
 
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code) {
-  CLI::App* experiment = program.add_subcommand("experiment", "Measures whole worlds: a table, JSON, files for plots.");
+  CLI::App* experiment =
+      program.add_subcommand("experiment", "Measure whole worlds: print a table or JSON, write files and plots.");
   experiment->footer("Example:\n  tactus experiment peers --quick\n  tactus experiment scaling --quick");
   add_accuracy_cost(*experiment, exit_code);
   add_capacity(*experiment, exit_code);

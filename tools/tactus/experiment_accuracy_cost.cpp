@@ -11,6 +11,7 @@
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiment_parts.h"
 #include "tools/tactus/experiments.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -85,32 +86,32 @@ int run_cost(const CostOptions& options) {
 
 void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<CostOptions>();
-  CLI::App* command =
-      experiment.add_subcommand("accuracy-cost", "What accuracy costs: error of the force against a tick's time.");
+  CLI::App* command = experiment.add_subcommand(
+      "accuracy-cost", "Measure the error of the force against the time of a tick, by setting.");
   command->footer(
-      "Sub-steps, relax sweeps, friction, contact frequency, members, ratio, border, extraction and the global "
-      "world's\n"
-      "precision, against a run of all bodies at 1 kHz with 16 sub-steps and two relax sweeps, on the windows of\n"
-      "`energy-loss`: so the error is the solver's and the coupling's. A setting is on the front when no other is\n"
-      "as accurate and cheaper in the median. Accuracy is of virtual time, the same everywhere; times are CPU\n"
-      "time on this machine. Instructions are of the front and the default, where valgrind is installed; not with\n"
-      "--quick. Whole it takes some twenty minutes. With --workers or --scheduler the first hand alone is timed,\n"
-      "here, when the others have ended.\n\n"
-      "Example:\n  tactus experiment accuracy-cost --quick\n"
+      "Varies sub-steps, relax sweeps, friction, contact frequency, members, ratio, border, extraction and the\n"
+      "precision of the global world. The reference is a run of all bodies at 1 kHz with 16 sub-steps and two relax\n"
+      "sweeps, on the windows of `energy-loss`; the error is thus that of the solver and of the coupling. A setting\n"
+      "is on the front if no other is as accurate and cheaper in the median. Errors are of virtual time, the same\n"
+      "on every machine; times are CPU time on this machine. Where valgrind is installed, the instructions of the\n"
+      "front and of the default are counted too, not with --quick. All of it takes some twenty minutes. With\n"
+      "--workers or --scheduler only the first hand is timed, by this process, after the others have ended.\n\n"
+      "Example:\n"
+      "  tactus experiment accuracy-cost --quick\n"
       "  tactus experiment accuracy-cost --scenes pile,wall --page cost.html");
-  command->add_option("--scenes", options->scenes, "scenes, separated by commas; all by default")
+  command->add_option("--scenes", options->scenes, help::kScenes)
       ->delimiter(',')
       ->check(CLI::IsMember(experiment::coupling_case_names()));
-  command->add_option("--seeds", options->seeds, "hands that press and slide a little differently")
+  command->add_option("--seeds", options->seeds, help::kSeeds)
       ->check(CLI::Range(1, 1000))
       ->default_str("3, with --quick 1");
-  options->parts.add(*command, "hands but the first");
-  options->output.add_csv(*command, "writes every setting to this file, units in the header");
-  options->output.add_page(*command, "them");
+  options->parts.add(*command);
+  options->output.add_csv(*command);
+  options->output.add_page(*command);
   command->add_option("--count", options->count, "case and setting, for the count of instructions")
       ->expected(2)
       ->group("");
-  options->output.add_quick(*command, "a minute or two: one seed, two windows, one factor at a time");
+  options->output.add_quick(*command, "one seed, two windows, one factor at a time, in a minute or two");
   options->output.add_json(*command);
   command->callback([options, &exit_code] { exit_code = run_cost(*options); });
 }

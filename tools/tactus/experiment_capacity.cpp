@@ -9,6 +9,7 @@
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -55,35 +56,38 @@ int run_capacity(const CapacityOptions& options) {
 void add_capacity(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<CapacityOptions>();
   CLI::App* command =
-      experiment.add_subcommand("capacity", "How many bodies each coupling sustains, by rate and ratio.");
+      experiment.add_subcommand("capacity", "Measure how many bodies each coupling sustains, by rate and ratio.");
   command->footer(
-      "A heap of cubes, up to eight layers, all awake, that the proxy stirs. Sustained: 99 of 100 ticks compute for\n"
-      "less than the tick, and 9 of 10 global steps for less than their r ticks (the global world has a core of its\n"
-      "own). CPU time of one thread; a heap that is too slow is run again, up to five times in all (three with\n"
-      "--quick), and the least time of each tick and step counts. The heap doubles until something is too slow; then\n"
-      "the number is narrowed down to an eighth of an octave. The haptic side has sub-steps of 0.25 ms at every rate,\n"
-      "the global world one every two ticks, as pile5000.\n\n"
-      "Example:\n  tactus experiment capacity --quick\n  tactus experiment capacity --rates 1000 --ratios 10 --page "
-      "capacity.html");
-  command->add_option("--rates", options->rates_Hz, "Hz, separated by commas; default 1000,2000,4000")
+      "The proxy stirs a heap of cubes of up to eight layers, all awake. A heap is sustained if 99 of 100 ticks\n"
+      "compute for less than the tick and 9 of 10 global steps for less than their r ticks (the global world has a\n"
+      "core of its own). Times are CPU time of one thread. A heap that is too slow is run again, up to five times\n"
+      "in all (three with --quick); the least time of each tick and step counts. The number of cubes is doubled\n"
+      "until a heap is too slow, then narrowed down to an eighth of an octave. The haptic side has sub-steps of\n"
+      "0.25 ms at every rate, the global world one for every two ticks, as in pile5000.\n\n"
+      "Example:\n"
+      "  tactus experiment capacity --quick\n"
+      "  tactus experiment capacity --rates 1000 --ratios 10 --page capacity.html");
+  command
+      ->add_option("--rates", options->rates_Hz,
+                   "rates of the haptic loop [Hz], separated by commas; default: 1000,2000,4000")
       ->delimiter(',')
       ->check(CLI::Range(100.0, 10000.0));
-  command->add_option("--ratios", options->ratios, "ticks per global step, separated by commas; default 2,4,10,16")
+  command->add_option("--ratios", options->ratios, help::list_of(help::kRatio, "2,4,10,16"))
       ->delimiter(',')
       ->check(CLI::Range(1, 100));
-  command->add_option("--couplings", options->couplings, "separated by commas; the quotient needs direct, first")
+  command
+      ->add_option("--couplings", options->couplings,
+                   "coupling schemes, separated by commas; for the quotient direct comes first")
       ->delimiter(',')
       ->check(CLI::IsMember({"direct", "sub-world", "static", "interpolation"}))
       ->capture_default_str();
-  command->add_option("--members", options->members, "cap of the sub-world")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  command->add_option("--most", options->most, "cubes in the largest heap to try")
+  command->add_option("--members", options->members, help::kMembers)->check(CLI::Range(1, 256))->capture_default_str();
+  command->add_option("--most", options->most, "largest number of cubes to try in a heap")
       ->check(CLI::Range(25, 90000))
       ->capture_default_str();
-  options->output.add_csv(*command, "writes every heap that was timed to this file");
-  options->output.add_page(*command, "it");
-  options->output.add_quick(*command, "about a minute: 1 kHz, ratio 10");
+  options->output.add_csv(*command);
+  options->output.add_page(*command);
+  options->output.add_quick(*command, "1 kHz and ratio 10, in about a minute");
   options->output.add_json(*command);
   command->callback([options, &exit_code] { exit_code = run_capacity(*options); });
 }

@@ -54,15 +54,17 @@ int run_effects(const EffectsOptions& options) {
 
 void add_effects(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<EffectsOptions>();
-  CLI::App* effects = experiment.add_subcommand("effects", "What each effect costs: not declared, not used, used.");
+  CLI::App* effects = experiment.add_subcommand(
+      "effects", "Count the instructions that each effect costs: not declared, not used, used.");
   effects->footer(
-      "Instructions of a tick, by callgrind: needs valgrind. Exit status 1: an effect that is declared and not used\n"
-      "costs more than 0.1 %.\n\n"
-      "Example:\n  tactus experiment effects --effects joints,restitution");
-  effects->add_option("--effects", options->effects, "these alone")
+      "Instructions of a tick, counted by callgrind, which needs valgrind. Exit status 1: an effect that is\n"
+      "declared and not used costs more than 0.1 %.\n\n"
+      "Example:\n"
+      "  tactus experiment effects --effects joints,restitution");
+  effects->add_option("--effects", options->effects, "effects to measure, separated by commas; default: all")
       ->delimiter(',')
       ->check(CLI::IsMember(experiment::effect_names()));
-  effects->add_option("--count", options->count, "runs one case for the count of instructions")->group("");
+  effects->add_option("--count", options->count, "case to run, for the count of instructions")->group("");
   options->output.add_json(*effects);
   effects->callback([options, &exit_code] { exit_code = run_effects(*options); });
 }

@@ -10,22 +10,17 @@ namespace tactus::tools {
 
 void add_energy_loss(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<CouplingOptions>();
-  CLI::App* command =
-      experiment.add_subcommand("energy-loss", "Energy and force errors of the sub-world, by border and ratio.");
+  CLI::App* command = experiment.add_subcommand(
+      "energy-loss", "Measure energy and force errors of the sub-world, by border and ratio.");
   command->footer(
-      "Compares the sub-world, at each ratio and with each border, with direct coupling of the same scene: the same "
-      "hand\n"
-      "motion, in windows of 25 cycles (at least 200 ms) that start from the direct run's state. loss and gain: "
-      "energy\n"
-      "below and above the direct run's, each summed over the windows by itself, so that a gain in one cannot hide a "
-      "loss\n"
-      "in another; as a share of the kinetic energy of all bodies (*: at rest, of that and the energy in the "
-      "coupling's\n"
-      "spring; --json and --csv have both other readings).\n" +
+      "Compares the sub-world, at each ratio and with each border, with direct coupling of the same scene and hand\n"
+      "motion, in windows of 25 cycles (at least 200 ms) that start from the direct run's state. loss and gain:\n"
+      "energy below and above the direct run's. Each is summed over the windows by itself, so that a gain in one\n"
+      "window cannot hide a loss in another. Both are shares of the kinetic energy of all bodies (marked *, at\n"
+      "rest: of that plus the energy in the coupling's spring; --json and --csv have both).\n" +
       std::string(kWholeRunsHelp) +
-      "For windows, '1 um apart' is how far two direct runs go apart that start so: less cannot be told from chance. "
-      "Virtual time:\n"
-      "the same options, the same figures, on any machine.\n\n"
+      "For windows, '1 um apart' is the deviation of two direct runs that start 1 um apart: smaller deviations cannot\n"
+      "be told from chance. Virtual time: the same options give the same figures on any machine.\n\n"
       "Example:\n  tactus experiment energy-loss --quick\n"
       "  tactus experiment energy-loss --scenes pile,stack --ratios 8,16 --page energy.html\n"
       "  tactus experiment energy-loss --seeds 0 --whole 10 --scene my.toml --members 8,16 --ratios 8,16 --borders "

@@ -13,6 +13,7 @@
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiment_parts.h"
 #include "tools/tactus/experiments.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/validation/random_world.h"
 #include "tools/validation/report.h"
 #include "tools/validation/trial_report.h"
@@ -162,42 +163,42 @@ int run_hard_cases(const HardCasesOptions& options) {
 
 void add_hard_cases(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<HardCasesOptions>();
-  CLI::App* command =
-      experiment.add_subcommand("hard-cases", "Small worlds with known answers, scored at three accuracies.");
+  CLI::App* command = experiment.add_subcommand(
+      "hard-cases", "Run small worlds with known answers and score them at three accuracies.");
   command->footer(
-      "In steps of 1 ms and 10 ms. Accuracies by sub-steps: fast 2 and 10, balanced 4 and 40, accurate 16 and 160 "
-      "with\n"
-      "two relax sweeps; contacts are as stiff as the case asks for and the sub-step resolves. Without --cases, "
-      "stacks\n"
-      "are also given to the other engines that were found when tactus was built. Exit status 1: a case fails at the\n"
-      "balanced accuracy.\n\n"
-      "--random N --sub-world: a world collapses where a body falls that stands in three direct runs: the same, one\n"
-      "of which every body starts up to 1 um aside in each coordinate, one of twice as many sub-steps. A body that\n"
-      "one of them does not leave there either falls by chance. Worlds that start with bodies overlapping by more\n"
-      "than half of the thinner one are counted apart too: no run of them is good. A body stands where it ends at "
-      "rest, within half of its smallest\n"
-      "extent of where it is in the direct run, and turned by less than 0.5 rad against it; bodies that fall\n"
-      "there do not count, and those that stood still from the start are counted apart. Exit status 1: a world\n"
-      "collapses.\n\n"
+      "Steps of 1 ms and 10 ms. Sub-steps by accuracy: fast 2 and 10, balanced 4 and 40, accurate 16 and 160 with\n"
+      "two relax sweeps; contacts are as stiff as the case asks for and the sub-step resolves. Without --cases,\n"
+      "stacks are also run by the other engines that were found when tactus was built. Exit status 1: a case fails\n"
+      "at the balanced accuracy.\n\n"
+      "--random N --sub-world: a world collapses if a body falls that stands in three direct runs: the same run,\n"
+      "one in which every body starts up to 1 um aside in each coordinate, and one with twice the sub-steps. A body\n"
+      "that also falls in one of the last two falls by chance. Worlds that start with bodies overlapping by more\n"
+      "than half of the thinner one are counted apart, since no run of them is good. A body stands if it ends at\n"
+      "rest, within half of its smallest extent of its pose in the direct run, and turned by less than 0.5 rad;\n"
+      "bodies that fall in the direct run do not count, and those that stood still from the start are counted\n"
+      "apart. --page shows the ten worst worlds; --workers and --scheduler divide the random worlds. Exit status 1:\n"
+      "a world collapses.\n\n"
       "Example:\n  tactus experiment hard-cases --svg scores.svg\n  tactus experiment hard-cases --cases 2,102\n"
       "  tactus experiment hard-cases --random 100 --sub-world --page worst.html");
-  command->add_option("--cases", options->cases, "numbers, separated by commas; all by default")->delimiter(',');
-  command->add_option("--accuracies", options->accuracies, "fast, balanced, accurate; all by default")
+  command->add_option("--cases", options->cases, "numbers of the cases, separated by commas; default: all")
+      ->delimiter(',');
+  command->add_option("--accuracies", options->accuracies, "accuracies, separated by commas; default: all")
       ->delimiter(',')
       ->check(CLI::IsMember({"fast", "balanced", "accurate"}));
-  command->add_option("--steps-ms", options->steps_ms, "1, 10; both by default")
+  command->add_option("--steps-ms", options->steps_ms, "lengths of the step [ms], separated by commas; default: both")
       ->delimiter(',')
       ->check(CLI::IsMember({1.0, 10.0}));
-  options->output.add_csv(*command, "writes every metric to this file");
-  options->output.add_svg(*command, "plots the scores into this file");
-  command->add_option("--random", options->random, "this many random worlds instead of the cases");
+  options->output.add_csv(*command);
+  options->output.add_svg(*command, "the scores");
+  command->add_option("--random", options->random, "number of random worlds, which are run instead of the cases");
   command->add_option("--first", options->first, "seed of the first random world")->capture_default_str();
-  command->add_flag("--sub-world", options->sub_world,
-                    "each random world with a hand for 5 s, by the sub-world (ghosts, ratio 8) beside direct coupling; "
-                    "leaves the ten worst as scene files");
-  options->parts.add(*command, "random worlds");
-  options->output.add_page(*command, "the ten worst");
-  command->add_flag("--no-peers", options->no_peers, "leaves out the other engines");
+  command->add_flag(
+      "--sub-world", options->sub_world,
+      "run each random world with a hand for 5 s, by the sub-world (ghosts, ratio 8) and by direct coupling;\n"
+      "write the ten worst as scene files");
+  options->parts.add(*command);
+  options->output.add_page(*command);
+  command->add_flag("--no-peers", options->no_peers, "leave the other engines out");
   options->output.add_json(*command);
   command->callback([options, &exit_code] { exit_code = run_hard_cases(*options); });
 }

@@ -8,28 +8,32 @@
 
 #include "tools/experiment/page.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/tactus/output_option.h"
 #include "tools/version/provenance.h"
 
 namespace tactus::tools {
 
-void OutputOptions::add_csv(CLI::App& command, const char* help) {
-  add_output(command, "--csv", csv, exporting::OutputKind::kCsv, help);
+void OutputOptions::add_csv(CLI::App& command) {
+  add_output(command, "--csv", csv, exporting::OutputKind::kCsv,
+             "write all measured rows to this CSV file, with units in the header");
 }
-void OutputOptions::add_svg(CLI::App& command, const char* help) {
-  add_output(command, "--svg", svg, exporting::OutputKind::kSvg, help);
+void OutputOptions::add_svg(CLI::App& command, const char* what) {
+  add_output(command, "--svg", svg, exporting::OutputKind::kSvg, fmt::format("plot {} in this SVG file", what));
 }
-void OutputOptions::add_page(CLI::App& command, const char* what) {
+void OutputOptions::add_page(CLI::App& command) {
   add_output(command, "--page", page, exporting::OutputKind::kPage,
-             fmt::format("draws {} into this HTML file; needs python3-matplotlib", what))
+             "write a page with plots to this HTML file; needs python3-matplotlib")
       ->check([](const std::string&) {
         const Status status = experiment::check_page_writer();
         if (!status.ok()) throw CLI::RuntimeError(status.message(), kExitMachineCannot);
         return std::string();
       });
 }
-void OutputOptions::add_quick(CLI::App& command, const char* help) { command.add_flag("--quick", quick, help); }
-void OutputOptions::add_json(CLI::App& command) { command.add_flag("--json", json, "one JSON object on stdout"); }
+void OutputOptions::add_quick(CLI::App& command, const char* how) {
+  command.add_flag("--quick", quick, fmt::format("measure less: {}", how));
+}
+void OutputOptions::add_json(CLI::App& command) { command.add_flag("--json", json, help::kJson); }
 
 int print_and_write(const OutputOptions& options, const ExperimentText& text) {
   fmt::print("{}\n", options.json ? text.json : text.table);

@@ -14,11 +14,11 @@ struct OutputOptions {
   std::string csv, svg, page;  // paths; empty: not wanted
   bool quick{false}, json{false};
 
-  // Each adds its option. The help says what it writes, draws, or leaves out.
-  void add_csv(CLI::App& command, const char* help);
-  void add_svg(CLI::App& command, const char* help);
-  void add_page(CLI::App& command, const char* what);  // "draws {what} into this HTML file; needs ..."
-  void add_quick(CLI::App& command, const char* help);
+  // Each adds its option, with the same help text in every experiment.
+  void add_csv(CLI::App& command);
+  void add_svg(CLI::App& command, const char* what);  // "plot {what} in this SVG file"
+  void add_page(CLI::App& command);
+  void add_quick(CLI::App& command, const char* how);  // "measure less: {how}"
   void add_json(CLI::App& command);
 };
 

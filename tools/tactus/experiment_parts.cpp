@@ -20,6 +20,7 @@
 #include "tools/json_text.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/tactus/python_module.h"
 
 namespace tactus::tools {
@@ -103,18 +104,10 @@ Result<Printed> print_of(std::vector<std::string> words) {
 
 }  // namespace
 
-void PartOptions::add(CLI::App& command, const char* what) {
-  CLI::Option* here =
-      command
-          .add_option("--workers", workers,
-                      fmt::format("{} in so many processes of this machine, with the same figures", what))
-          ->check(CLI::Range(1, 1024));
-  command
-      .add_option("--scheduler", scheduler,
-                  "in those of the workers of this scheduler of Dask distributed, such as tcp://127.0.0.1:8786, see "
-                  "tactus sweep --help")
-      ->excludes(here);
-  command.add_flag("--trust-network", trust_network, "take a scheduler that is neither on loopback nor TLS");
+void PartOptions::add(CLI::App& command) {
+  CLI::Option* here = command.add_option("--workers", workers, help::kWorkers)->check(CLI::Range(1, 1024));
+  command.add_option("--scheduler", scheduler, help::kScheduler)->excludes(here);
+  command.add_flag("--trust-network", trust_network, help::kTrustNetwork);
   command.add_option("--part", part)->group("");
 }
 

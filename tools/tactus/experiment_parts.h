@@ -21,7 +21,7 @@ struct PartOptions {
   bool trust_network{false};
   int part{-1};  // 0 or more: print the result of this part, nothing else
 
-  void add(CLI::App& command, const char* what);  // "{what} in so many processes ..."
+  void add(CLI::App& command);
   bool elsewhere() const { return workers > 0 || !scheduler.empty(); }
 };
 

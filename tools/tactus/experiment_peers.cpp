@@ -12,6 +12,7 @@
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -89,37 +90,38 @@ int run_peers(const PeersOptions& options) {
 
 void add_peers(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<PeersOptions>();
-  CLI::App* peers = experiment.add_subcommand("peers", "What a step costs beside other engines, on identical scenes.");
+  CLI::App* peers =
+      experiment.add_subcommand("peers", "Compare the cost of a step with that of other engines, on identical scenes.");
   peers->footer(
-      "One core, CPU time, steps of all engines in turns. The peers run at their defaults and tuned; they are Debian\n"
-      "packages found when tactus was built: libbullet-dev, libode-dev; tuned with fewer and with more iterations\n"
-      "too; and libmujoco-dev, for up to 100 bodies and no terrain.\n"
-      "Stirred scenes have the same kinematic rods in every engine. Overlaps, travel and what left the box are judged\n"
-      "from the poses, alike for all; a row that misses a gate is not compared in time. Exit status 1: work was left\n"
-      "out by a capacity, and the row does not count, or tactus misses a gate.\n\n"
-      "Example:\n  tactus experiment peers --quick\n  tactus experiment peers --scenes pile1000 --peers tactus,bullet");
+      "One core, CPU time; the engines take turns in blocks of steps. The peers run at their defaults and tuned,\n"
+      "with fewer and with more iterations too. They are Debian packages found when tactus was built:\n"
+      "libbullet-dev, libode-dev, and libmujoco-dev, for up to 100 bodies and no terrain. Stirred scenes have the\n"
+      "same kinematic rods in every engine. Overlaps, travel and bodies that left the box are computed from the\n"
+      "poses, alike for all engines; the time of a row that misses a gate is not compared. Exit status 1: a\n"
+      "capacity cut the work of a row, which then does not count, or tactus misses a gate.\n\n"
+      "Example:\n"
+      "  tactus experiment peers --quick\n"
+      "  tactus experiment peers --scenes pile1000 --peers tactus,bullet");
   const auto& names = experiment::scene_names();
-  peers->add_option("--scenes", options->scenes, "scenes, separated by commas; all by default")
+  peers->add_option("--scenes", options->scenes, help::kScenes)
       ->delimiter(',')
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())));
-  peers->add_option("--peers", options->peers, "engines, separated by commas; all by default")
+  peers->add_option("--peers", options->peers, "engines, separated by commas; default: all")
       ->delimiter(',')
       ->check(CLI::IsMember(peer_names()));
-  peers
-      ->add_option("--precision", options->precision,
-                   "of tactus: double, or mixed, where contacts are solved in single precision;\ndefault: as in a run, "
-                   "mixed beyond 256 bodies")
+  peers->add_option("--precision", options->precision, std::string("precision of tactus: ") + help::kPrecision)
       ->check(CLI::IsMember({"double", "mixed"}));
   peers
-      ->add_option("--sub-steps", options->sub_steps,
-                   "of tactus, in a step; contacts at 0.2 / sub-step, 250 Hz at most. Default: 4 in 1 ms, 10 in 10 ms")
+      ->add_option(
+          "--sub-steps", options->sub_steps,
+          "sub-steps of tactus per step; contacts at 0.2 / sub-step, 250 Hz at most; default: 4 in 1 ms, 10 in 10 ms")
       ->check(CLI::Range(1, 100));
-  peers->add_option("--runs", options->runs, "identical runs of each scene")
+  peers->add_option("--runs", options->runs, "number of identical runs of each scene")
       ->check(CLI::Range(1, 9))
       ->capture_default_str();
-  options->output.add_quick(*peers, "settles 1 s, times a fifth of the steps, two runs, no large worlds");
-  options->output.add_csv(*peers, "writes the table to this file");
-  options->output.add_page(*peers, "it");
+  options->output.add_quick(*peers, "1 s to settle, a fifth of the steps, two runs, no large worlds");
+  options->output.add_csv(*peers);
+  options->output.add_page(*peers);
   options->output.add_json(*peers);
   peers->callback([options, &exit_code] { exit_code = run_peers(*options); });
 }

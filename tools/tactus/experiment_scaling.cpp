@@ -11,6 +11,7 @@
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -49,24 +50,20 @@ int run_scaling(const ScalingOptions& options) {
 
 void add_scaling(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<ScalingOptions>();
-  CLI::App* scaling =
-      experiment.add_subcommand("scaling", "How a step's cost grows with bodies, contacts, sub-steps, sizes, threads.");
+  CLI::App* scaling = experiment.add_subcommand(
+      "scaling", "Measure how the cost of a step grows with bodies, contacts, sub-steps, sizes and threads.");
   scaling->footer(
-      "One core, CPU time; the sweep of threads has a core for each and goes by the wall clock. Where valgrind is\n"
-      "installed, instructions are counted too, of the worlds of up to 1000 cubes. Exit status 1: work was left out "
-      "by\n"
-      "a capacity, and the row does not count.\n\n"
-      "Example:\n  tactus experiment scaling --csv scaling.csv --svg scaling.svg");
-  scaling
-      ->add_option(
-          "--precision", options->precision,
-          "double, or mixed, where contacts are solved in single precision;\ndefault: as in a run, mixed beyond "
-          "256 bodies")
+      "One core, CPU time; the series over threads has a core for each thread and measures wall time. Where\n"
+      "valgrind is installed, the instructions of worlds of up to 1000 cubes are counted too. Exit status 1: a\n"
+      "capacity cut the work of a row, which then does not count.\n\n"
+      "Example:\n"
+      "  tactus experiment scaling --csv scaling.csv --svg scaling.svg");
+  scaling->add_option("--precision", options->precision, std::string("precision of tactus: ") + help::kPrecision)
       ->check(CLI::IsMember({"double", "mixed"}));
-  options->output.add_csv(*scaling, "writes the rows to this file");
-  options->output.add_svg(*scaling, "plots cost against contact points into this file");
-  scaling->add_option("--count", options->count, "runs one case for the count of instructions")->group("");
-  options->output.add_quick(*scaling, "worlds of up to 1000 cubes, shorter");
+  options->output.add_csv(*scaling);
+  options->output.add_svg(*scaling, "cost against contact points");
+  scaling->add_option("--count", options->count, "case to run, for the count of instructions")->group("");
+  options->output.add_quick(*scaling, "worlds of up to 1000 cubes, fewer steps");
   options->output.add_json(*scaling);
   scaling->callback([options, &exit_code] { exit_code = run_scaling(*options); });
 }

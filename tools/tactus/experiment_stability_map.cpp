@@ -9,6 +9,7 @@
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/timing/budget.h"
 
 namespace tactus::tools {
@@ -61,30 +62,30 @@ int run_map(const MapOptions& options) {
 
 void add_stability_map(CLI::App& experiment, int& exit_code) {
   auto options = std::make_shared<MapOptions>();
-  CLI::App* command =
-      experiment.add_subcommand("stability-map", "Stiffness and damping of the coupling: what is stable, what to use.");
+  CLI::App* command = experiment.add_subcommand(
+      "stability-map", "Find which stiffness and damping of the coupling are stable, and which to use on this PC.");
   command->footer(
-      "The simulated device, pressed against a wall with 5 N and tapped, passivity controller off and without dry\n"
-      "friction. For each damping the stiffness at which the tap begins to ring on, by halves, beside the formula by\n"
-      "which `tactus run` refuses gains. Rate, delay, jitter and encoder quantum are changed one at a time. Virtual "
-      "time:\n"
-      "the same options, the same map. How late this PC wakes a thread is measured for some seconds, or read from a "
-      "file\n"
-      "of `tactus timing --certify`; the gains that are suggested are for a tick as late as one in a thousand.\n\n"
-      "Example:\n  tactus experiment stability-map --quick\n"
+      "The simulated device is pressed against a wall with 5 N and tapped, without passivity controller and dry\n"
+      "friction. For each damping the map has the stiffness at which the oscillation after the tap no longer\n"
+      "decays, found by bisection, beside the formula by which `tactus run` refuses gains. Rate, delay, jitter and\n"
+      "encoder quantum are changed one at a time. Virtual time: the same options give the same map. How late this\n"
+      "PC wakes a thread is measured for some seconds, or read from a budget file; the suggested gains suit a tick\n"
+      "that is as late as one in a thousand.\n\n"
+      "Example:\n"
+      "  tactus experiment stability-map --quick\n"
       "  tactus experiment stability-map --budget budget.json --page stability.html");
-  command->add_option("--profile", options->profile, "device that is built in: virtuose6d or desk3d")
-      ->capture_default_str();
-  command->add_option("--device-file", options->device_file, "describes another device");
-  command->add_option("--rate", options->rate_Hz, "ticks a second of the loop from which each factor is changed [Hz]")
+  command->add_option("--profile", options->profile, help::kProfile)->capture_default_str();
+  command->add_option("--device-file", options->device_file, std::string(help::kDeviceFile) + "; default: --profile");
+  command->add_option("--rate", options->rate_Hz, std::string(help::kRate) + ", from which the rate is varied")
       ->check(CLI::Range(100.0, 10000.0))
       ->capture_default_str();
   command->add_option("--cpu", options->cpu, "core on which wake-ups are measured; default: any")
       ->check(CLI::Range(0, 1023));
-  command->add_option("--budget", options->budget, "a file of `tactus timing --certify`, instead of measuring");
-  options->output.add_csv(*command, "writes every boundary to this file, units in the header");
-  options->output.add_page(*command, "them");
-  options->output.add_quick(*command, "less than a minute: four dampings, fewer loops");
+  command->add_option("--budget", options->budget,
+                      std::string(help::kBudget) + ", from which wake-up times are read instead of measured");
+  options->output.add_csv(*command);
+  options->output.add_page(*command);
+  options->output.add_quick(*command, "four dampings, fewer loops, in less than a minute");
   options->output.add_json(*command);
   command->callback([options, &exit_code] { exit_code = run_map(*options); });
 }

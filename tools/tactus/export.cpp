@@ -12,6 +12,7 @@
 #include "tools/export/columns.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -58,35 +59,37 @@ int run_export(const ExportCommand& command) {
 CLI::App* add_export_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<ExportCommand>();
   exporting::ExportOptions& o = command->options;
-  CLI::App* app = program.add_subcommand("export", "A tape as CSV, HDF5, MCAP or a trace for Perfetto.");
+  CLI::App* app = program.add_subcommand("export", "Convert a tape to CSV, HDF5, MCAP or a trace for Perfetto.");
   app->footer(
-      "Ticks are copied from the tape, bit by bit; a column's name has its unit. With --world the tape is replayed, "
-      "and\n"
-      "the poses of the sub-world's bodies are written too: CSV into a second file, FILE.bodies.csv. Where a record "
-      "is\n"
-      "damaged, it says what is lost and goes on behind it.\n"
-      "Exit status: 0 good; 1 a part of the tape is lost, or replays otherwise; 2 no such tape, bad options; 3 a file\n"
-      "cannot be written.\n\n"
-      "Examples:\n  tactus export my.tape --csv my.csv --from 2 --to 3 --signals force,proxy,counts\n"
+      "Ticks are copied from the tape, bit by bit; the name of a column includes its unit. With --world the tape is\n"
+      "replayed, and the poses of the sub-world's bodies are written too: as CSV to a second file, FILE.bodies.csv.\n"
+      "Where a record is damaged, the program prints what is lost and continues after it.\n"
+      "Exit status: 0 good; 1 a part of the tape is lost, or its replay differs; 2 no such tape, bad options; 3 a\n"
+      "file cannot be written.\n\n"
+      "Examples:\n"
+      "  tactus export my.tape --csv my.csv --from 2 --to 3 --signals force,proxy,counts\n"
       "  tactus export my.tape --hdf5 my.h5 --mcap my.mcap --world 60");
-  app->add_option("TAPE", o.tape, "what `tactus run --record` wrote")->required();
-  app->add_option("--csv", o.csv, "write comma-separated values into this file");
-  app->add_option("--hdf5", o.hdf5, "write HDF5 into this file: for MATLAB, Octave, h5py, pandas, Julia, R");
-  app->add_option("--mcap", o.mcap, "write MCAP into this file: for Foxglove, Lichtblick, PlotJuggler");
-  app->add_option("--perfetto", o.perfetto,
-                  "write a trace into this file, for Perfetto: counters, cycles, faults; without --signals the groups\n"
-                  "force, counts, energy and times");
-  app->add_option("--from", o.from_s, "first moment, simulated time [s]; 0 or more")->capture_default_str();
-  app->add_option("--to", o.to_s, "ticks before this moment [s]; default: to the end");
+  app->add_option("TAPE", o.tape, help::kTape)->required();
+  app->add_option("--csv", o.csv, "write the ticks to this CSV file");
+  app->add_option("--hdf5", o.hdf5, "write the ticks to this HDF5 file, for MATLAB, Octave, h5py, pandas, Julia, R");
+  app->add_option("--mcap", o.mcap, "write the ticks to this MCAP file, for Foxglove, Lichtblick, PlotJuggler");
+  app->add_option(
+      "--perfetto", o.perfetto,
+      "write a trace for Perfetto to this file: counters, cycles, faults; without --signals the groups force,\n"
+      "counts, energy and times");
+  app->add_option("--from", o.from_s, "start of the exported part, in simulated time [s]; 0 or more")
+      ->capture_default_str();
+  app->add_option("--to", o.to_s,
+                  "end of the exported part, exclusive, in simulated time [s]; default: the end of the tape");
   app->add_option("--signals", o.signals,
-                  fmt::format("columns or groups of them, separated by commas; default: all. Groups: {}",
+                  fmt::format("columns or groups of columns, separated by commas; default: all. Groups:\n{}",
                               fmt::join(exporting::group_names(), ", ")))
       ->delimiter(',');
   app->add_option("--world", o.world_Hz,
-                  "frames of the bodies per second of simulated time [Hz]; 0: none, at most one a tick")
+                  "frames of the bodies per second of simulated time [Hz]; at most one per tick; 0: none")
       ->capture_default_str();
-  app->add_flag("--overwrite", o.overwrite, "replace files that exist");
-  app->add_flag("--json", command->json, "one JSON object on stdout");
+  app->add_flag("--overwrite", o.overwrite, help::kOverwrite);
+  app->add_flag("--json", command->json, help::kJson);
   app->callback([command, &exit_code] { exit_code = run_export(*command); });
   return app;
 }

@@ -14,6 +14,7 @@
 #include "tools/hil/suite.h"
 #include "tools/session/find_description.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/tactus/hil_calibrate.h"
 #include "tools/tactus/output_option.h"
 #include "tools/tactus/stop_signals.h"
@@ -220,50 +221,53 @@ int run_hil(HilCommand& c) {
 }
 
 void add_options(CLI::App& app, HilCommand& c) {
-  app.add_option("--device", c.device, hal::described_devices());
-  app.add_option("--device-file", c.device_file, "describes the device; default: --profile");
-  app.add_option("--profile", c.profile, "the built-in description to compare with: virtuose6d or desk3d")
-      ->capture_default_str();
-  app.add_option("--only", c.only, "these checks alone, separated by commas")->delimiter(',');
-  app.add_flag("--list", c.list, "name the checks and end");
+  app.add_option("--device", c.device, help::devices());
+  app.add_option("--device-file", c.device_file, std::string(help::kDeviceFile) + "; default: --profile");
+  app.add_option("--profile", c.profile, help::kProfile)->capture_default_str();
+  app.add_option("--only", c.only, "checks to run, separated by commas; default: all")->delimiter(',');
+  app.add_flag("--list", c.list, "print the names of the checks and exit");
   app.add_flag("--yes", c.yes, "switch the motors on without asking");
-  app.add_option("--force", c.options.force_N, "also push with so many newtons; default: zero force throughout");
+  app.add_option("--force", c.options.force_N, "largest force that a check may command [N]; 0 to 50; default: 0");
   app.add_option(
       "--provoke", c.provoke,
-      "a command that causes what the suite cannot: it is run as COMMAND FAULT on|off, FAULT being\n"
-      "estop, unplug, corrupt or bus-off; exit 0: done, else the check is skipped. Without it a person is asked");
-  app.add_flag("--soak", c.soak, "also ten minutes at the full rate");
-  app.add_option("--duration", c.duration_s, "of the soak [s]");
-  app.add_option("--soak-frames", c.soak_frames, "of the soak, instead of its duration");
-  app.add_option("--rate", c.options.rate_Hz, "of the device [Hz]")->capture_default_str();
-  app.add_option("--cpu", c.cpu, "core of the exchange's thread; default: any")->check(CLI::Range(0, 1023));
-  app.add_option("--priority", c.priority, "SCHED_FIFO priority of the exchange's thread; 0: stay a normal thread")
+      "command that causes the faults that the suite cannot cause, run as COMMAND FAULT on|off; FAULT is estop,\n"
+      "unplug, corrupt or bus-off; exit status 0: done, else the check is skipped. Default: a person is asked");
+  app.add_flag("--soak", c.soak, "run the soak too: ten minutes at the full rate");
+  app.add_option("--duration", c.duration_s, "duration of the soak [s]; 0 to 1e6; default: 600");
+  app.add_option("--soak-frames", c.soak_frames, "length of the soak in frames, instead of --duration");
+  app.add_option("--rate", c.options.rate_Hz, std::string(help::kRate) + "; 100 to 10000")->capture_default_str();
+  app.add_option("--cpu", c.cpu, "core of the thread that exchanges frames with the device; default: any")
+      ->check(CLI::Range(0, 1023));
+  app.add_option("--priority", c.priority, "SCHED_FIFO priority of that thread; 0: normal scheduling")
       ->check(CLI::Range(0, 98))
       ->capture_default_str();
   app.add_option("--timing", c.timing,
-                 "judge, or report: show the times and do not judge them, on a machine that is not yours alone")
+                 "judge, or report: print the times without a verdict, on a machine that other programs share")
       ->capture_default_str();
-  app.add_flag("--virtual-time", c.virtual_time, "with --device sim: no clock, the same figures every time");
+  app.add_flag("--virtual-time", c.virtual_time,
+               "run on a virtual clock, with a simulated device: the same figures every time");
   app.add_flag(
       "--calibrate", c.calibrate,
-      "instead of the checks: measure the motor values per N m of a Falcon with a kitchen scale; each push waits\n"
-      "for Enter, 0.5 N first");
-  app.add_option("--out", c.out, "with --calibrate: the configuration (of run --config) whose [device] gets the gain");
-  add_output(app, "--junit", c.junit, exporting::OutputKind::kJunit, "write the verdicts here as JUnit XML");
-  app.add_flag("--json", c.json, "one JSON object on stdout, units in the keys");
+      "measure the motor values per N m of a Falcon with a kitchen scale, instead of running the checks; each push\n"
+      "waits for Enter, 0.5 N first");
+  app.add_option(
+      "--out", c.out,
+      "write the measured gain of --calibrate to [device] of this configuration file (of `tactus run --config`)");
+  add_output(app, "--junit", c.junit, exporting::OutputKind::kJunit, "write the verdicts as JUnit XML to this file");
+  app.add_flag("--json", c.json, help::kJson);
 }
 
 }  // namespace
 
 CLI::App* add_hil_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<HilCommand>();
-  CLI::App* hil =
-      program.add_subcommand("hil", "Is the device on its link fit for the loop? The hardware-in-the-loop suite.");
+  CLI::App* hil = program.add_subcommand("hil", "Test a device on its link: the hardware-in-the-loop suite.");
   hil->footer(
-      "It asks before the motors are switched on, and stays at zero force unless --force says how much. Exit status: "
-      "0\n"
-      "good; 1 a check is bad; 2 bad usage; 3 the device cannot be opened.\n\n"
-      "Examples:\n  tactus hil --device usb\n  tactus hil --device can:can0 --only losses,round-trip,watchdog --yes\n"
+      "The suite asks before it switches the motors on, and commands zero force unless --force is given. Exit\n"
+      "status: 0 good; 1 a check failed; 2 bad usage; 3 the device cannot be opened.\n\n"
+      "Examples:\n"
+      "  tactus hil --device usb\n"
+      "  tactus hil --device can:can0 --only losses,round-trip,watchdog --yes\n"
       "  tactus hil --device sim --virtual-time --json\n"
       "  tactus hil --device falcon:nvent_firmware.bin --calibrate --out tactus.toml");
   add_options(*hil, *command);

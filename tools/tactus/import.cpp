@@ -9,6 +9,7 @@
 #include "tools/import/import.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -88,47 +89,55 @@ int run_import(ImportCommand& command) {
 CLI::App* add_import_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<ImportCommand>();
   auto& options = command->options;
-  CLI::App* app = program.add_subcommand("import", "A scene from MJCF, URDF, glTF, OBJ or STL.");
+  CLI::App* app = program.add_subcommand("import", "Convert a model in MJCF, URDF, glTF, OBJ or STL to a scene.");
   app->footer(
-      "MJCF and URDF go through MuJoCo's own compiler, which Node runs: masses, frames and defaults are MuJoCo's. The\n"
-      "account says what was taken over, what was changed and by how much, and what was left out. What a scene cannot\n"
-      "have is refused, all of it in one go, each with file, line and what to do; then nothing is written. No file\n"
-      "outside of FILE's folder is read.\n"
+      "MJCF and URDF are read by MuJoCo's own compiler, which Node runs: masses, frames and defaults are MuJoCo's.\n"
+      "The result lists what was converted, what was changed and by how much, and what was left out. A model with\n"
+      "something that a scene cannot have is refused: every such item is reported with file, line and what to do,\n"
+      "and nothing is written. No file outside of FILE's folder is read.\n"
       "Exit status: 0 good; 2 something is refused, bad usage or file; 3 no node, or a build without the reader.\n\n"
-      "Examples:\n  tactus import gripper.xml -o gripper.toml && tactus scene check gripper.toml\n"
+      "Examples:\n"
+      "  tactus import gripper.xml -o gripper.toml && tactus scene check gripper.toml\n"
       "  tactus import arm.urdf -o arm.toml --drop damping,friction-loss --proxy tool\n"
       "  tactus import bracket.stl -o bracket.toml --unit 0.001 --pieces 16 --deviation 0.5");
-  app->add_option("FILE", command->file, "the model: .xml or .mjcf (MJCF), .urdf, .gltf, .glb, .obj, .stl")->required();
-  app->add_option("-o,--output", command->out, "the scene to write; its shape files are written beside it")->required();
+  app->add_option("FILE", command->file, "model file: .xml or .mjcf (MJCF), .urdf, .gltf, .glb, .obj, .stl")
+      ->required();
+  app->add_option("-o,--output", command->out, "write the scene to this file, and its shape files beside it")
+      ->required();
   app->add_option("--drop", options.drop,
-                  "leave these kinds out instead of refusing them, and say so in the scene's first lines")
+                  "leave these kinds out instead of refusing them; the first lines of the scene list what is left out")
       ->delimiter(',')
       ->check(CLI::IsMember(scene_import::droppable_kinds()));
   app->add_option("--proxy", options.proxy,
-                  "what the device holds: the name of a moving body of the model, or the radius of a sphere [m];\n"
+                  "proxy: the name of a moving body of the model, or the radius of a sphere [m];\n"
                   "default: a sphere of 0.01 m above the model");
-  app->add_option("--proxy-position", command->proxy_position, "X Y Z of that sphere [m]")->expected(3)->delimiter(',');
-  app->add_option("--device", options.device, "the simulated device: virtuose6d or desk3d")
+  app->add_option("--proxy-position", command->proxy_position, "position X Y Z of the sphere of --proxy [m]")
+      ->expected(3)
+      ->delimiter(',');
+  app->add_option("--device", options.device, "simulated device of the scene")
       ->check(CLI::IsMember({"virtuose6d", "desk3d"}))
       ->capture_default_str();
   app->add_option("--pieces", options.pieces.most,
-                  "divide concave meshes that move into at most this many convex pieces (Bullet's HACD), 2 to 128;\n"
-                  "default: their convex hull, as MuJoCo takes it")
+                  "largest number of convex pieces (Bullet's HACD) into which a concave mesh that moves is divided;\n"
+                  "default: not divided, but replaced by its convex hull, as in MuJoCo")
       ->check(CLI::Range(2u, kMaxParts));
-  app->add_option("--deviation", command->deviation_mm,
-                  "refuse pieces that are further than this from the mesh, on 10,000 points of both surfaces [mm]")
+  app->add_option(
+         "--deviation", command->deviation_mm,
+         "largest distance between the pieces and the mesh, on 10,000 points of both surfaces [mm]; pieces that\n"
+         "exceed it are refused")
       ->check(CLI::Range(0.001, 1000.0))
       ->capture_default_str();
-  app->add_option("--unit", options.shapes.unit_m, "the length that a glTF, OBJ or STL file calls 1 [m]")
+  app->add_option("--unit", options.shapes.unit_m, "length of one unit of a glTF, OBJ or STL file [m]")
       ->check(CLI::Range(1e-9, 1e3))
       ->capture_default_str();
   app->add_option("--density", options.shapes.density_kg_per_m3,
-                  "of bodies from glTF, OBJ and STL that do not say theirs [kg/m3]")
+                  "density of bodies from glTF, OBJ and STL whose file gives none [kg/m3]")
       ->check(CLI::Range(1e-3, 1e5))
       ->capture_default_str();
-  app->add_flag("--fixed", options.shapes.fixed, "bodies from glTF, OBJ and STL that say nothing never move");
-  app->add_flag("--overwrite", command->overwrite, "replace the scene and the shape files that exist");
-  app->add_flag("--json", command->json, "one JSON object on stdout");
+  app->add_flag("--fixed", options.shapes.fixed,
+                "make bodies from glTF, OBJ and STL static, unless their file says otherwise");
+  app->add_flag("--overwrite", command->overwrite, help::kOverwrite);
+  app->add_flag("--json", command->json, help::kJson);
   app->callback([command, &exit_code] { exit_code = run_import(*command); });
   return app;
 }

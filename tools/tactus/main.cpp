@@ -115,9 +115,9 @@ int run_program(int argc, char** argv) {
   program.footer(
       "Examples:\n  tactus run sim/scenes/card_house.toml --duration 20\n"
       "  tactus scene check sim/scenes/card_house.toml\n\n"
-      "Every command has --help and an example of its own. Exit status: 0 good; 1 it ran and the verdict is bad;\n"
+      "Every command has --help with an example. Exit status: 0 good; 1 it ran and the verdict is bad;\n"
       "2 bad usage or input; 3 the machine cannot do it.");
-  program.set_version_flag("--version", version_text, "version, commit, build target and kernel");
+  program.set_version_flag("--version", version_text, "print version, commit, build target and kernel, and exit");
   int exit_code = kExitGood;
   add_run_command(program, exit_code);
   add_hil_command(program, exit_code);

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -80,13 +81,15 @@ CLI::App* add_replay_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = program.add_subcommand("replay", "Run a tape again and compare every output, bit by bit.");
   command->footer(
-      "The tape holds what the device said, what the global world sent and what the governor chose; the replay\n"
-      "computes every tick anew, and says which version made the tape and of which scene. Where a record is damaged,\n"
-      "it says what is lost and goes on at the next keyframe.\n"
+      "The tape holds the samples of the device, the snapshots of the global world and the choices of the governor.\n"
+      "The replay computes every tick again, and prints the version and the scene that made the tape. Where a\n"
+      "record is damaged, it prints what is lost and continues at the next keyframe.\n"
       "Exit status: 0 the same bits; 1 different, or a part of the tape is lost; 2 no such tape.\n\n"
-      "Example:\n  tactus run sim/scenes/card_house.toml --duration 5 --record my.tape\n  tactus replay my.tape");
-  command->add_option("TAPE", options->tape, "what `tactus run --record` wrote")->required();
-  command->add_flag("--json", options->json, "one JSON object on stdout");
+      "Example:\n"
+      "  tactus run sim/scenes/card_house.toml --duration 5 --record my.tape\n"
+      "  tactus replay my.tape");
+  command->add_option("TAPE", options->tape, help::kTape)->required();
+  command->add_flag("--json", options->json, help::kJson);
   command->callback([options, &exit_code] { exit_code = run_replay(*options); });
   return command;
 }

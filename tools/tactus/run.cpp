@@ -20,6 +20,7 @@
 #include "tools/service/run_service.h"
 #include "tools/session/realtime_run.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/tactus/keyboard.h"
 #include "tools/tactus/output_option.h"
 #include "tools/tactus/run_figures.h"
@@ -364,100 +365,108 @@ int run_scene(const CLI::App& app, RunCommand& command) {
 
 void add_options(CLI::App& app, RunCommand& command) {
   Options& o = command.options;
-  app.add_option("SCENE", command.scene, "the scene, such as sim/scenes/card_house.toml; or --config names it");
+  app.add_option("SCENE", command.scene,
+                 "scene file, such as sim/scenes/card_house.toml; not required if --config names one");
   app.add_option(
       "--config", command.config,
-      "a deployment's configuration, see `tactus config check --help`: what no option says it says, and the\n"
-      "run logs events instead of a status line");
-  app.add_option("--control", command.control, "serve `tactus control` at this path; of a second hand at PATH.2");
+      "configuration file of a deployment (`tactus config check --help`) with the values of all options that are not\n"
+      "given; the run logs events instead of a status line");
+  app.add_option("--control", command.control,
+                 "path of the control socket, for `tactus control`; a second hand's socket is PATH.2");
   app.add_flag("--view", command.view,
-               "start a viewer of the run, and print its page's address; of several hands one each");
-  app.add_option("--hand", command.hand,
-                 "of the simulated device: script, as the scene says; pointer: it rests until a page's mouse takes it")
+               "start a viewer of the run and print the address of its page; several hands: one viewer for each");
+  app.add_option(
+         "--hand", command.hand,
+         "motion of the simulated device: script: the scene's; pointer: by the mouse on a page, at rest until then")
       ->check(CLI::IsMember({"script", "pointer"}))
       ->capture_default_str();
   app.add_option("--pace", command.pace,
-                 "of virtual time with --control or --view: 0.01 to 100 times real time, or 0 for as fast as it goes;\n"
-                 "default: 1 with --view, else 0. The results are the same bits");
+                 "pace of virtual time with --control or --view: 0.01 to 100 times real time, or 0: no limit;\n"
+                 "default: 1 with --view, else 0. The results are the same bits at every pace");
   // Each time one value: what follows may be the scene.
   const auto once_or_each = [](CLI::Option* option) { option->allow_extra_args(false); };
-  const std::string devices = hal::described_devices() + "\nSeveral hands: once for all (sim), or once for each";
+  const std::string devices = help::devices() + "\nSeveral hands: one --device for all (sim), or one for each";
   once_or_each(app.add_option("--device", command.each.devices, devices)->default_str("sim"));
-  once_or_each(app.add_option("--device-file", command.each.device_files,
-                              "describes the device; default: the scene's profile. Several hands: as --device"));
-  app.add_option("--gpio", o.gpio, "lines beside the link: e-stop, drive enable, probe, heartbeat");
+  once_or_each(
+      app.add_option("--device-file", command.each.device_files,
+                     std::string(help::kDeviceFile) + "; default: the scene's profile. Several hands: as --device"));
+  app.add_option("--gpio", o.gpio,
+                 "GPIO lines: e-stop, drive enable, probe, heartbeat, such as chip=gpiochip0,estop=3-low,enable=4");
   app.add_option("--coupling", o.coupling,
-                 fmt::format("{}. interpolation delays the\n"
-                             "proxy by a global step: where the scene's stiffness is too much for that, it is lowered "
-                             "and said",
+                 fmt::format("coupling scheme: {}.\n"
+                             "interpolation delays the proxy by a global step; a stiffness that is unstable with\n"
+                             "this delay is lowered, and the run prints it",
                              fmt::join(sim::coupling_names(), ", ")))
       ->capture_default_str();
-  app.add_flag("--keep-gains", o.keep_gains,
-               "the scene's gains or none: refuse them, with the limit, where the coupling is\n"
-               "not stable with them");
-  app.add_option("--border", o.border,
-                 fmt::format("of the sub-world: {}; replay is the paper's", fmt::join(sim::border_names(), ", ")))
+  app.add_flag(
+      "--keep-gains", o.keep_gains,
+      "refuse a run in which the scene's gains are unstable, and print the limit, instead of lowering the gains");
+  app.add_option(
+         "--border", o.border,
+         fmt::format("border of the sub-world: {}; replay is that of the paper", fmt::join(sim::border_names(), ", ")))
       ->capture_default_str();
-  app.add_option("--order", o.order, "in which the contact graph is cut: best-first or breadth-first")
+  app.add_option("--order", o.order, help::kOrder)->capture_default_str();
+  app.add_option("--reach", o.reach, "rule for the size of the boundary cube: two-cycles or paper")
       ->capture_default_str();
-  app.add_option("--reach", o.reach, "of the boundary cube: two-cycles or paper")->capture_default_str();
   app.add_option("--accuracy", o.accuracy,
-                 "fast: half the scene's members and sub-steps; balanced: as it says; accurate: twice of both")
+                 "members and sub-steps: fast: half of the scene's; balanced: the scene's; accurate: twice the scene's")
       ->capture_default_str();
-  app.add_option("--rate", o.rate_Hz, "haptic ticks a second [Hz]")->capture_default_str();
-  app.add_option("--ratio", o.ratio, "haptic ticks per global step; default: the scene's");
-  app.add_option("--members", o.members, "most bodies in the sub-world, the proxy included; default: by the accuracy");
+  app.add_option("--rate", o.rate_Hz, std::string(help::kRate) + "; 100 to 10000")->capture_default_str();
+  app.add_option("--ratio", o.ratio, std::string(help::kRatio) + "; 1 to 100; default: the scene's");
+  app.add_option("--members", o.members, std::string(help::kMembers) + "; 1 to 256; default: by --accuracy");
   app.add_option("--duration", command.duration_s,
-                 "seconds to run; default: until stopped, in virtual time\n10 without --control and --view");
-  once_or_each(app.add_option("--cpu", command.each.cpus,
-                              "core of the haptic thread; default: the last one allowed. Several hands: once for each")
-                   ->check(CLI::Range(0, 1023)));
+                 "duration of the run [s]; default: until stopped; in virtual time without --control and --view: 10");
+  once_or_each(
+      app.add_option("--cpu", command.each.cpus, std::string(help::kCpu) + ". Several hands: one --cpu for each")
+          ->check(CLI::Range(0, 1023)));
   app.add_option("--world-threads", o.world_threads,
-                 "threads that share the steps of the global world; the results are the same bits")
+                 "number of threads that step the global world; 1 to 64; the results are the same bits")
       ->capture_default_str();
   app.add_option("--world-precision", o.world_precision,
-                 "of the global world: double, or mixed, where its contacts are solved in single precision")
+                 "precision of the global world: double, or mixed: contacts are solved in single precision")
       ->capture_default_str();
   app.add_option("--world-cpu", command.world_cpus,
                  "cores of the global world, one for each of its threads, such as 2 or 1,3-4; default: any.\n"
-                 "More threads than one want cores of their own, that of the haptic thread not among them");
-  app.add_option("--priority", o.priority, "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")
-      ->capture_default_str();
-  app.add_flag("--virtual-time", command.virtual_time, "one thread on a virtual clock: the same bits every time");
+                 "Several threads should have a core each, none of them that of the haptic thread");
+  app.add_option("--priority", o.priority, help::kPriority)->capture_default_str();
+  app.add_flag("--virtual-time", command.virtual_time,
+               "run in one thread on a virtual clock: the same bits every time");
   check_output(
-      *app.add_option("--record", command.record, "write a tape here, for `tactus replay`; of a second hand my.2.tape"),
+      *app.add_option("--record", command.record,
+                      "write a tape to this file, for `tactus replay`; beside my.tape, a second hand's is my.2.tape"),
       exporting::OutputKind::kTape);
   app.add_option("--budget", command.budget,
-                 "hold the run against this file of `tactus timing --certify`: refused on another machine, at a\n"
-                 "higher rate or with more sub-steps than measured; with more members it runs with fewer");
-  app.add_flag("--rearm", o.rearm, "take a latched fault back by itself after a second; else Enter does");
-  once_or_each(
-      app.add_option("--inject", command.each.injects,
-                     "faults, as KIND@TICK[+TICKS][:AMOUNT],...: lost, late, duplicated, corrupted, nan, wild,\n"
-                     "teleport, frozen, unplugged, estop; of the world: stall; of the operator: reset@TICK.\n"
-                     "Several hands: once for each; that of the first has the world's and the operator's"));
-  app.add_option("--seed", o.seed, "of what is random in injected faults")->capture_default_str();
-  app.add_option("--figures", command.figures,
-                 "figures of the columns of `tactus export`, as COLUMN:HOW,...: mean, rms, min, max, last, or p99 and\n"
-                 "other percentiles, such as force_z_N:rms; in virtual time")
+                 std::string(help::kBudget) +
+                     ". The run is refused on another machine, at a higher rate, or with more\n"
+                     "sub-steps than measured; if it has more members, the run uses the measured number");
+  app.add_flag("--rearm", o.rearm, "re-arm one second after a fault has latched; without this flag Enter re-arms");
+  once_or_each(app.add_option(
+      "--inject", command.each.injects,
+      "faults to inject, as KIND@TICK[+TICKS][:AMOUNT],...; of the device: lost, late, duplicated, corrupted, nan,\n"
+      "wild, teleport, frozen, unplugged, estop; of the world: stall; of the operator: reset@TICK.\n"
+      "Several hands: one --inject for each; the first has the faults of the world and of the operator"));
+  app.add_option("--seed", o.seed, "seed of the random numbers of injected faults")->capture_default_str();
+  app.add_option(
+         "--figures", command.figures,
+         "figures of the columns of `tactus export`, as COLUMN:HOW,..., such as force_z_N:rms; HOW is mean, rms, min,\n"
+         "max, last, p99 or another percentile; in virtual time")
       ->delimiter(',');
-  app.add_flag("--json", command.json, "one JSON object on stdout, units in the keys");
+  app.add_flag("--json", command.json, help::kJson);
 }
 
 }  // namespace
 
 CLI::App* add_run_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<RunCommand>();
-  CLI::App* run = program.add_subcommand("run", "Feel a scene: the haptic loop, the global world and the device.");
+  CLI::App* run = program.add_subcommand("run", "Run a scene: the haptic loop, the global world and the device.");
   run->footer(
-      "While it runs, a status line shows rate, force, members, contacts, overruns; Ctrl-C ends it, Enter re-arms "
-      "after\n"
-      "a fault, r and Enter reset the scene. Exit status: 0 good or degraded, or with --config told to "
-      "stop;\n"
-      "1 the verdict is bad: a fault is latched at the end, a tick was lost to the program's own work, or the "
-      "simulation\n"
-      "went wrong, by the rules in the README; 2 bad usage or scene; 3 the machine cannot do it.\n\n"
-      "Examples:\n  tactus run sim/scenes/card_house.toml --duration 20\n"
+      "While it runs, a status line shows rate, force, members, contacts and overruns; Ctrl-C ends the run, Enter\n"
+      "re-arms after a fault, r and Enter reset the scene. Exit status: 0 good or degraded, or with --config told\n"
+      "to stop; 1 the verdict is bad, by the rules of tools/session/README.md: a fault is latched at the end, a\n"
+      "tick was lost to the program's own work, or the simulation went wrong; 2 bad usage or scene; 3 the machine\n"
+      "cannot do it.\n\n"
+      "Examples:\n"
+      "  tactus run sim/scenes/card_house.toml --duration 20\n"
       "  tactus run sim/scenes/pile700.toml --ratio 10 --json\n"
       "  tactus run sim/scenes/pile700.toml --cpu 3 --world-threads 2 --world-cpu 1-2\n"
       "  tactus run sim/scenes/pile700.toml --virtual-time --coupling static\n"

@@ -16,6 +16,7 @@
 #include "tools/session/shared_limit.h"
 #include "tools/session/verdict.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 
 namespace tactus::tools {
 namespace {
@@ -241,22 +242,23 @@ int check_scene(const CheckOptions& options) {
 
 CLI::App* add_scene_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* scene = program.add_subcommand("scene", "Work with scene files (TOML).");
+  CLI::App* scene = program.add_subcommand("scene", "Check a scene file (TOML), or list the keys of scene files.");
   scene->footer("Example:\n  tactus scene check sim/scenes/card_house.toml\n  tactus scene keys simulation");
   CLI::App* check =
-      scene->add_subcommand("check", "Validate a scene; list the effects it calls for and what they cost.");
+      scene->add_subcommand("check", "Validate a scene; list the effects that it uses and what they cost.");
   check->footer(
-      "Every mistake gets a line: file, line, column, key, what is wrong, what is accepted. Warnings do not refuse a\n"
-      "scene: an effect that nothing uses, a hull that fills what its file leaves open. The README is the guide to\n"
-      "the keys.\n"
+      "Every mistake gets a line: file, line, column, key, what is wrong, what is accepted. A warning does not\n"
+      "refuse a scene: an effect that nothing uses, a hull that fills a cavity of its file's shape.\n"
+      "sim/scenes/README.md explains the keys.\n"
       "Exit status: 0 the scene is good; 1 it will not run well, by the problems listed; 2 it is no scene.\n\n"
-      "Example:\n  tactus scene check sim/scenes/card_house.toml\n"
+      "Example:\n"
+      "  tactus scene check sim/scenes/card_house.toml\n"
       "  tactus scene check --json sim/scenes/pile700.toml");
-  check->add_option("FILE", options->file, "the scene, such as sim/scenes/card_house.toml")->required();
-  check->add_option("--rate", options->rate_Hz, "haptic ticks a second to judge stiffnesses by [Hz]")
+  check->add_option("FILE", options->file, "scene file, such as sim/scenes/card_house.toml")->required();
+  check->add_option("--rate", options->rate_Hz, std::string(help::kRate) + ", for the check of stiffnesses")
       ->check(CLI::Range(100.0, 20000.0))
       ->capture_default_str();
-  check->add_flag("--json", options->json, "one JSON object on stdout");
+  check->add_flag("--json", options->json, help::kJson);
   check->callback([options, &exit_code] { exit_code = check_scene(*options); });
   add_scene_keys_command(*scene, exit_code);
   return scene;

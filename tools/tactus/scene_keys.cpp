@@ -128,16 +128,19 @@ int print_keys(const KeysOptions& options) {
 
 void add_scene_keys_command(CLI::App& scene, int& exit_code) {
   auto options = std::make_shared<KeysOptions>();
-  CLI::App* keys = scene.add_subcommand("keys", "List the scene language: every table, key, unit, range and default.");
+  CLI::App* keys =
+      scene.add_subcommand("keys", "List the tables and keys of scene files, each key with unit, range and default.");
   keys->footer(
-      "The list is what the loader itself asks of a scene, so it is never out of date.\n"
-      "Exit status: 0; 2 there is no such table.\n\n"
-      "Example:\n  tactus scene keys simulation\n  tactus scene keys --json-schema > tactus-scene.schema.json");
-  keys->add_option("TABLE", options->table, "one table, such as body or '[[body]] path'; default: all");
-  auto* markdown = keys->add_flag("--markdown", options->markdown, "tables for a page");
-  auto* man = keys->add_flag("--man", options->man, "the manual page tactus.scene(5)");
+      "The list is made from the loader's own definitions, so it is always up to date.\n"
+      "Exit status: 0 good; 2 there is no such table.\n\n"
+      "Example:\n"
+      "  tactus scene keys simulation\n"
+      "  tactus scene keys --json-schema > tactus-scene.schema.json");
+  keys->add_option("TABLE", options->table, "table to list, such as body or '[[body]] path'; default: all");
+  auto* markdown = keys->add_flag("--markdown", options->markdown, "print Markdown tables");
+  auto* man = keys->add_flag("--man", options->man, "print the manual page tactus.scene(5)");
   auto* schema = keys->add_flag("--json-schema", options->schema,
-                                "a JSON schema (2020-12), for editors and for programs that write scenes");
+                                "print a JSON schema (2020-12), for editors and for programs that write scenes");
   markdown->excludes(man)->excludes(schema);
   man->excludes(schema);
   keys->callback([options, &exit_code] { exit_code = print_keys(*options); });

@@ -12,6 +12,7 @@
 #include "tools/experiment/shared_files.h"
 #include "tools/json_text.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/tactus/output_option.h"
 #include "tools/tactus/python_module.h"
 
@@ -57,10 +58,10 @@ int run_sweep(const SweepCommand& command) {
 
 CLI::App* add_sweep_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<SweepCommand>();
-  CLI::App* app =
-      program.add_subcommand("sweep", "Many runs in virtual time: every value with every other, one table.");
+  CLI::App* app = program.add_subcommand(
+      "sweep", "Run a scene in virtual time with every combination of values, and write one table.");
   app->footer(
-      "The file names a scene, and lists of values; every value is run with every other:\n"
+      "The file names a scene, and lists of values; every combination is run:\n"
       "  scene = \"press.toml\"              # from the file's folder; else the scene of tactus with this name\n"
       "  duration_s = 2\n"
       "  seeds = 3                          # of injected faults: 1, 2, 3; or a list\n"
@@ -72,31 +73,29 @@ CLI::App* add_sweep_command(CLI::App& program, int& exit_code) {
       "  summary = [\"hand/force_max_N\"]    # of the object of tactus run --json\n"
       "  columns = [\"force_z_N:rms\"]       # as tactus run --figures\n"
       "Each unit is one process and one file in the sweep's folder, named by the hash of scene, options, version and\n"
-      "instruction set, written whole or not at all: what is done is not done again. A unit that fails is a row with\n"
-      "its message. Ctrl-C leaves what is done; the same command goes on.\n"
-      "Exit status: 0 good; 1 a unit failed or is left; 2 bad usage or file; 3 no Python module.\n\n"
+      "instruction set. A file is written whole or not at all, and a finished unit is not run again. A unit that\n"
+      "fails is a row with its message. After Ctrl-C the same command continues.\n"
+      "Exit status: 0 good; 1 a unit failed or is not finished; 2 bad usage or file; 3 no Python module.\n\n"
       "Examples:\n  tactus sweep tools/examples/gains.toml --workers 2 --csv gains.csv\n"
       "  tactus sweep gains.toml --list | parallel && tactus sweep gains.toml --collect --csv gains.csv");
-  app->add_option("FILE", command->file, "the sweep, a TOML file, see below")->required();
-  app->add_option("--workers", command->workers, "processes at a time on this machine, 1 to 1024; default: one a core")
+  app->add_option("FILE", command->file, "sweep file (TOML), see below")->required();
+  app->add_option("--workers", command->workers, std::string(help::kWorkers) + "; default: one per core")
       ->check(CLI::Range(1, 1024));
-  app->add_option("--scheduler", command->scheduler,
-                  "run the units on the workers of this scheduler of Dask distributed, such as tcp://127.0.0.1:8786;\n"
-                  "each has tactus at the same path, of the same version and instruction set")
-      ->excludes("--workers");
-  app->add_flag("--trust-network", command->trust_network,
-                "a scheduler runs the code of any client that connects: take one that is neither on loopback nor TLS");
-  app->add_option("--folder", command->folder, "of the results; default: FILE's name with .sweep, in this folder");
+  app->add_option("--scheduler", command->scheduler, help::kScheduler)->excludes("--workers");
+  app->add_flag("--trust-network", command->trust_network, help::kTrustNetwork);
+  app->add_option("--folder", command->folder,
+                  "folder of the results; default: FILE's name with .sweep, in the working directory");
   add_output(*app, "--csv", command->csv, exporting::OutputKind::kCsv,
-             "write the table of all units that are done into this file");
+             "write the table of all finished units to this CSV file");
   add_output(*app, "--hdf5", command->hdf5, exporting::OutputKind::kHdf5,
-             "write the same table into this HDF5 file: the dataset units, a field for each column\n"
-             "(Debian: python3-h5py)");
-  CLI::Option* fresh = app->add_flag("--fresh", command->fresh, "forget what is done of these units");
-  app->add_flag("--list", command->list, "print the command of each unit that is not done, run nothing");
-  app->add_option("--unit", command->unit, "run this one alone, by its name: what --list prints");
-  app->add_flag("--collect", command->collect, "run nothing, only gather what is done")->excludes(fresh);
-  app->add_flag("--json", command->json, "one JSON object on stdout");
+             "write the table of all finished units to this HDF5 file: the dataset units, a field for each column\n"
+             "(needs python3-h5py)");
+  CLI::Option* fresh = app->add_flag("--fresh", command->fresh, "discard the results of finished units");
+  app->add_flag("--list", command->list, "print the command of each unit that is not finished, and run nothing");
+  app->add_option("--unit", command->unit, "name of the only unit to run, as --list prints it");
+  app->add_flag("--collect", command->collect, "collect the results of finished units, and run nothing")
+      ->excludes(fresh);
+  app->add_flag("--json", command->json, help::kJson);
   app->callback([command, &exit_code] { exit_code = run_sweep(*command); });
   return app;
 }

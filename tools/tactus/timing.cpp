@@ -10,6 +10,7 @@
 #include "tools/doctor/examine.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/tactus/output_option.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/tactus/timed_viewer.h"
@@ -131,60 +132,64 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<TimingCommand>();
   timing::TimingOptions& o = command->options;
   CLI::App* app = program.add_subcommand(
-      "timing", "The real loop at its capacity on a device, by default the simulated one, timed by stage.");
+      "timing", "Measure the times of the haptic loop at its capacity, by stage, on a device or a simulated one.");
   app->footer(
-      "Stages: wake (from the deadline to the thread's running), read (the device, simulated here), adopt (guard,\n"
+      "Stages: wake (from the deadline until the thread runs), read (the device, simulated here), adopt (guard,\n"
       "snapshot, report), couple, collide (up to the first sweep), solve, write (passivity, limits, the device).\n"
-      "Windows of the loop and of a bare timer take turns, so that the loop's own share of a late wake-up is seen.\n"
-      "Exit status: 0 the program lost no tick to its own work; 1 it did, faulted a page, or the simulation went wrong "
-      "by\n"
-      "the rules of `tactus run`; with --strict also where the machine did not keep up or the run is degraded; 2 bad "
-      "usage or scene; 3 the machine cannot do it.\n\n"
-      "Examples:\n  tactus timing --cpu 3 --duration 600 --load stress-ng --svg timing.svg --trace timing.json\n"
+      "Windows of the loop and of a bare timer alternate, to show the loop's own share of a late wake-up.\n"
+      "Exit status: 0 no tick was lost to the program's own work; 1 a tick was lost, a page fault occurred, or the\n"
+      "simulation went wrong by the rules of `tactus run`; with --strict also if the machine did not keep up or the\n"
+      "run is degraded; 2 bad usage or scene; 3 the machine cannot do it.\n\n"
+      "Examples:\n"
+      "  tactus timing --cpu 3 --duration 600 --load stress-ng --svg timing.svg --trace timing.json\n"
       "  tactus timing --cpu 3 --against cyclictest --duration 600\n"
       "  tactus timing --cpu 3 --with-viewer --duration 60\n"
       "  tactus timing --cpu 3 --members 100 --duration 3600 --load memory --certify budget.json");
-  app->add_option("--duration", o.duration_s, "how long, all windows together [s]")->capture_default_str();
-  app->add_option("--members", o.members, "declared capacity: bodies of the sub-world")
+  app->add_option("--duration", o.duration_s, "duration of all windows together [s]; 3 to 1e6")->capture_default_str();
+  app->add_option("--members", o.members, std::string(help::kMembers) + ": the declared capacity")
       ->check(CLI::Range(2u, haptics::kMaxMembers))
       ->capture_default_str();
-  app->add_option("--sub-steps", o.sub_steps, "declared capacity: sub-steps of a tick")
+  app->add_option("--sub-steps", o.sub_steps, "sub-steps per tick: the declared capacity")
       ->check(CLI::Range(1u, 16u))
       ->capture_default_str();
-  app->add_option("--ratio", o.ratio, "ticks per global step")->check(CLI::Range(1u, 100u))->capture_default_str();
-  app->add_option("--scene", o.run.scene, "this scene at its own capacity, instead of the worst case");
+  app->add_option("--ratio", o.ratio, help::kRatio)->check(CLI::Range(1u, 100u))->capture_default_str();
+  app->add_option("--scene", o.run.scene, "scene file to time at its own capacity, instead of the built-in worst case");
   app->add_option("--device", o.run.device,
-                  hal::described_devices() + "\nA real one is timed without force, and without the bare timer")
+                  help::devices() + "\nA real device is timed without force, and without the bare timer")
       ->capture_default_str();
-  app->add_option("--device-file", o.run.device_file, "describes the device; default: the scene's profile");
-  app->add_option("--rate", o.run.rate_Hz, "ticks per second [Hz]")->capture_default_str();
-  app->add_option("--cpu", o.run.cpu, "core of the haptic thread; default: the last that this process may use");
-  app->add_option("--priority", o.run.priority, "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")
+  app->add_option("--device-file", o.run.device_file,
+                  std::string(help::kDeviceFile) + "; default: the scene's profile");
+  app->add_option("--rate", o.run.rate_Hz, std::string(help::kRate) + "; 100 to 10000")->capture_default_str();
+  app->add_option("--cpu", o.run.cpu, help::kCpu);
+  app->add_option("--priority", o.run.priority, help::kPriority)->capture_default_str();
+  app->add_option("--load", command->load, "load on the other cores: none, cpu, memory, stress-ng")
       ->capture_default_str();
-  app->add_option("--load", command->load, "on the other cores: none, cpu, memory, stress-ng")->capture_default_str();
-  app->add_option("--window", o.window_s, "length of a window of the loop, and of the bare timer's [s]")
+  app->add_option("--window", o.window_s, "length of a window of the loop, and of the bare timer [s]; 0.1 to 3600")
       ->capture_default_str();
-  app->add_flag("--no-bare", command->no_bare, "the loop all the time, without the bare timer");
+  app->add_flag("--no-bare", command->no_bare, "run the loop all the time, without windows of the bare timer");
   app->add_flag(
       "--os-noise", o.os_noise,
-      "names what ran on the core when a tick was late, from the kernel's osnoise events. Needs root. On kernels\n"
+      "name what ran on the core when a tick was late, from the kernel's osnoise events. Needs root. On kernels\n"
       "before 6.2 this wakes a kernel thread on the measured core once a second");
   app->add_option(
          "--against", command->against,
-         "cyclictest: in turns with that program (Debian: rt-tests), 10 s each, on the same core, at the same\n"
-         "period and priority, in the bare timer's place")
+         "program that runs in place of the bare timer: cyclictest (Debian: rt-tests), in turns with the loop, 10 s\n"
+         "each, on the same core, at the same period and priority")
       ->check(CLI::IsMember({"cyclictest"}));
-  app->add_flag("--with-viewer", o.with_viewer,
-                "every second window with `tactus view` and a page that takes all frames, in the bare timer's place:\n"
-                "ratios of the wake-up and of a tick's own part, p50 and p99")
+  app->add_flag(
+         "--with-viewer", o.with_viewer,
+         "watch every second window with `tactus view` and a page that takes all frames, in place of the bare timer;\n"
+         "print the ratios of wake-up and of a tick's own part, p50 and p99")
       ->excludes("--no-bare");
   using enum exporting::OutputKind;
-  add_output(*app, "--svg", command->svg, kSvg, "plot the times into this file");
-  add_output(*app, "--trace", command->trace, kTrace, "write the worst spikes and the last second for Perfetto");
+  add_output(*app, "--svg", command->svg, kSvg, "plot the times in this SVG file");
+  add_output(*app, "--trace", command->trace, kTrace,
+             "write a trace of the worst spikes and of the last second to this file, for Perfetto");
   add_output(*app, "--certify", command->certify, kBudget,
-             "sign the capacity off into this file, for `tactus run --budget`");
-  app->add_flag("--strict", command->strict, "the exit status is 1 also where the machine did not keep up");
-  app->add_flag("--json", command->json, "one JSON object on stdout, units in the keys");
+             "write the measured capacity to this budget file, for `tactus run --budget`");
+  app->add_flag("--strict", command->strict,
+                "return exit status 1 also if the machine did not keep up or the run is degraded");
+  app->add_flag("--json", command->json, help::kJson);
   app->callback([command, &exit_code] { exit_code = run_timing_command(*command); });
   return app;
 }

@@ -5,6 +5,7 @@
 
 #include "sim/loader/scene_load.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/timing/budget.h"
 #include "tools/timing/load.h"
@@ -53,28 +54,26 @@ int run_tune_command(TuneCommand& command) {
 CLI::App* add_tune_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<TuneCommand>();
   tune::TuneRequest& request = command->request;
-  CLI::App* app = program.add_subcommand("tune", "The most accurate setting of a scene that this PC bears.");
+  CLI::App* app =
+      program.add_subcommand("tune", "Find the most accurate setting of a scene that this PC can run in real time.");
   app->footer(
-      "Sub-steps, relax sweeps, members and ratio are changed a notch at a time, from what the scene says, as long as\n"
-      "the error of the force falls and the tick stays below 0.6 of its millisecond, the governor's budget. The error\n"
-      "is measured in virtual time on the scene's own hand, against all bodies at 1 kHz; so the scene has at most 256\n"
-      "that move, and its hand touches something in its first 6 s (with --quick 3 s). Then the choice is run in real\n"
-      "time on the simulated device. Contacts are never made stiffer or softer: what that would cost is said.\n"
-      "Exit status: 0 good; 1 nothing fits, the choice does not hold, or the scene is bad; 2 bad usage or scene; 3 the "
-      "budget is not\n"
-      "this machine's.\n\n"
-      "Examples:\n  tactus tune sim/scenes/stack20.toml\n  tactus tune sim/scenes/pile250.toml --cpu 3 --budget "
-      "budget.json --json");
-  app->add_option("SCENE", request.file, "the scene, such as sim/scenes/stack20.toml")->required();
+      "Sub-steps, relax sweeps, members and ratio are changed one step at a time from the scene's values, as long\n"
+      "as the error of the force falls and the tick takes less than 0.6 of its millisecond, the governor's budget.\n"
+      "The error is measured in virtual time with the scene's own hand, against a run of all bodies at 1 kHz. The\n"
+      "scene therefore has at most 256 moving bodies, and its hand touches something in the first 6 s (with --quick\n"
+      "3 s). The chosen setting is then run in real time on the simulated device. The stiffness of contacts is not\n"
+      "changed; the result says what a change would cost. Exit status: 0 good; 1 no setting suffices, the chosen\n"
+      "one fails in real time, or the scene is bad; 2 bad usage or scene; 3 the budget is of another machine.\n\n"
+      "Examples:\n"
+      "  tactus tune sim/scenes/stack20.toml\n"
+      "  tactus tune sim/scenes/pile250.toml --cpu 3 --budget budget.json --json");
+  app->add_option("SCENE", request.file, "scene file, such as sim/scenes/stack20.toml")->required();
   app->add_option("--budget", command->budget,
-                  "a file of `tactus timing --certify`: no more members and sub-steps than were measured");
-  app->add_option("--cpu", request.run.cpu, "core of the haptic thread; default: the last one allowed")
-      ->check(CLI::Range(0, 1023));
-  app->add_option("--priority", request.run.priority,
-                  "SCHED_FIFO priority of the haptic thread; 0: stay a normal thread")
-      ->capture_default_str();
-  app->add_flag("--quick", request.quick, "half a minute: two windows, real runs of two seconds");
-  app->add_flag("--json", command->json, "one JSON object on stdout, units in the keys");
+                  std::string(help::kBudget) + "; its members and sub-steps are the largest that are tried");
+  app->add_option("--cpu", request.run.cpu, help::kCpu)->check(CLI::Range(0, 1023));
+  app->add_option("--priority", request.run.priority, help::kPriority)->capture_default_str();
+  app->add_flag("--quick", request.quick, "measure less: two windows, real runs of 2 s, in half a minute");
+  app->add_flag("--json", command->json, help::kJson);
   app->callback([command, &exit_code] { exit_code = run_tune_command(*command); });
   return app;
 }

@@ -12,6 +12,7 @@
 #include "tools/experiment/shared_files.h"
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
+#include "tools/tactus/help_texts.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/view/admission.h"
 #include "tools/view/live_source.h"
@@ -105,34 +106,35 @@ int run_view(const ViewCommand& command, const std::vector<std::string>& rest) {
 
 CLI::App* add_view_command(CLI::App& program, int& exit_code) {
   auto command = std::make_shared<ViewCommand>();
-  CLI::App* app = program.add_subcommand("view", "A page on a running controller or a tape: bodies, contacts, plots.");
+  CLI::App* app = program.add_subcommand(
+      "view", "Serve a browser page of a running controller, a scene or a tape: bodies, contacts, plots.");
   app->footer(
-      "Prints the page's address, whose fragment is a token of this start; it listens on this machine alone. From\n"
-      "another one: ssh -L 8000:127.0.0.1:PORT. At most 4 pages. The run goes on whatever happens to the viewer; it "
-      "ends\n"
-      "with the run. Pages may disarm and stop; what gives force to a real device needs --allow-force.\n"
-      "A tape is played, scrubbed and stepped; the world outside of the sub-world is rebuilt from it, and where that "
-      "cannot\n"
-      "be, the page says why. Exit status: 0 good; 2 a run of another version, no tape; 3 no run answers, no page in "
-      "this\n"
-      "build, the port is in use.\n\n"
-      "Examples:\n  tactus run sim/scenes/card_house.toml --control c.sock\n  tactus view --socket c.sock\n"
-      "  tactus view my.tape\n  tactus view sim/scenes/card_house.toml --hand pointer\n  tactus view a.tape --beside "
-      "b.tape");
-  CLI::Option* tape = app->add_option(
-      "TAPE", command->tape,
-      "what `tactus run --record` wrote; or a scene, which is run with a viewer: tactus run SCENE --view, with its\n"
-      "options; default: a running controller");
+      "Prints the address of the page; its fragment is a token that is new at every start. The server listens on\n"
+      "this machine alone; from another one use ssh -L 8000:127.0.0.1:PORT. At most 4 pages. The viewer ends with\n"
+      "the run; the run does not depend on the viewer. Pages may disarm and stop; requests that let a real device\n"
+      "give force need --allow-force. A tape can be played and stepped at any point; bodies outside of the\n"
+      "sub-world are computed from it, and where this is impossible, the page says why. Exit status: 0 good; 2 a\n"
+      "run of another version, no tape; 3 no run answers, no page in this build, the port is in use.\n\n"
+      "Examples:\n"
+      "  tactus run sim/scenes/card_house.toml --control c.sock\n"
+      "  tactus view --socket c.sock\n"
+      "  tactus view my.tape\n"
+      "  tactus view sim/scenes/card_house.toml --hand pointer\n"
+      "  tactus view a.tape --beside b.tape");
+  CLI::Option* tape = app->add_option("TAPE", command->tape,
+                                      std::string(help::kTape) +
+                                          "; or a scene, which is run as by `tactus run SCENE --view` with its\n"
+                                          "options; default: a running controller");
   app->allow_extras();
-  app->add_option("--beside", command->beside, "a second tape, in step with the first")->needs(tape);
-  app->add_option("--socket", command->socket, "control socket of the run")->capture_default_str()->excludes(tape);
+  app->add_option("--beside", command->beside, "second tape, played in step with the first")->needs(tape);
+  app->add_option("--socket", command->socket, help::kSocket)->capture_default_str()->excludes(tape);
   app->add_option("--link", command->link,
-                  "begin with a view that a page has in its address behind the token, such as at=2.5&pace=0.1");
-  app->add_option("--port", command->port, "on this machine; 0: any that is free")
+                  "view at the start: what follows the token in the address of a page, such as at=2.5&pace=0.1");
+  app->add_option("--port", command->port, "TCP port on this machine; 0: any free port")
       ->check(CLI::Range(0u, 65535u))
       ->capture_default_str();
-  app->add_flag("--allow-force", command->allow_force, "pages may arm, re-arm and reset a real device");
-  app->add_flag("--json", command->json, "one JSON object on stdout, at the end");
+  app->add_flag("--allow-force", command->allow_force, "allow pages to arm, re-arm and reset a real device");
+  app->add_flag("--json", command->json, help::kJson);
   app->callback([command, app, &exit_code] { exit_code = run_view(*command, app->remaining()); });
   return app;
 }
