@@ -165,7 +165,8 @@ void add_device_new_command(CLI::App& device, int& exit_code) {
   CLI::App* app = device.add_subcommand(
       "new", "Write the description file of a device, from options or from answers to questions.");
   app->footer(
-      "On a terminal without --kind, or with --ask, it asks for every value that no option gives. The description\n"
+      "On a terminal without --kind, or with --ask, the program asks for every value that no option gives. The "
+      "description\n"
       "is checked as a run checks it: ranges of the drives, identifiers, load of the buses. A value that only a\n"
       "measurement can give is an estimate, and the file marks it so. Values that are not given are chosen to suit\n"
       "the others, for an arm of this size. Without --out the description is printed; with it a scene is written as\n"

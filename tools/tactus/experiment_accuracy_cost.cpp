@@ -89,7 +89,8 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
   CLI::App* command = experiment.add_subcommand(
       "accuracy-cost", "Measure the error of the force against the time of a tick, by setting.");
   command->footer(
-      "Varies sub-steps, relax sweeps, friction, contact frequency, members, ratio, border, extraction and the\n"
+      "The experiment varies sub-steps, relax sweeps, friction, contact frequency, members, ratio, border, extraction "
+      "and the\n"
       "precision of the global world. The reference is a run of all bodies at 1 kHz with 16 sub-steps and two relax\n"
       "sweeps, on the windows of `energy-loss`; the error is thus that of the solver and of the coupling. A setting\n"
       "is on the front if no other is as accurate and cheaper in the median. Errors are of virtual time, the same\n"

@@ -77,7 +77,7 @@ void add_capacity(CLI::App& experiment, int& exit_code) {
       ->check(CLI::Range(1, 100));
   command
       ->add_option("--couplings", options->couplings,
-                   "coupling schemes, separated by commas; for the quotient direct comes first")
+                   "coupling schemes, separated by commas; 'times direct' is computed only if direct is the first")
       ->delimiter(',')
       ->check(CLI::IsMember({"direct", "sub-world", "static", "interpolation"}))
       ->capture_default_str();

@@ -13,7 +13,8 @@ void add_energy_loss(CLI::App& experiment, int& exit_code) {
   CLI::App* command = experiment.add_subcommand(
       "energy-loss", "Measure energy and force errors of the sub-world, by border and ratio.");
   command->footer(
-      "Compares the sub-world, at each ratio and with each border, with direct coupling of the same scene and hand\n"
+      "The experiment compares the sub-world, at each ratio and with each border, with direct coupling of the same "
+      "scene and hand\n"
       "motion, in windows of 25 cycles (at least 200 ms) that start from the direct run's state. loss and gain:\n"
       "energy below and above the direct run's. Each is summed over the windows by itself, so that a gain in one\n"
       "window cannot hide a loss in another. Both are shares of the kinetic energy of all bodies (marked *, at\n"

@@ -112,9 +112,9 @@ void add_peers(CLI::App& experiment, int& exit_code) {
   peers->add_option("--precision", options->precision, std::string("precision of tactus: ") + help::kPrecision)
       ->check(CLI::IsMember({"double", "mixed"}));
   peers
-      ->add_option(
-          "--sub-steps", options->sub_steps,
-          "sub-steps of tactus per step; contacts at 0.2 / sub-step, 250 Hz at most; default: 4 in 1 ms, 10 in 10 ms")
+      ->add_option("--sub-steps", options->sub_steps,
+                   "sub-steps of tactus per step; contact frequency: 0.2 / sub-step, 250 Hz at most; default: 4 in 1 "
+                   "ms, 10 in 10 ms")
       ->check(CLI::Range(1, 100));
   peers->add_option("--runs", options->runs, "number of identical runs of each scene")
       ->check(CLI::Range(1, 9))

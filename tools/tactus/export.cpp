@@ -86,7 +86,7 @@ CLI::App* add_export_command(CLI::App& program, int& exit_code) {
                               fmt::join(exporting::group_names(), ", ")))
       ->delimiter(',');
   app->add_option("--world", o.world_Hz,
-                  "frames of the bodies per second of simulated time [Hz]; at most one per tick; 0: none")
+                  "number of frames of the bodies per second of simulated time [Hz]; at most one per tick; 0: none")
       ->capture_default_str();
   app->add_flag("--overwrite", o.overwrite, help::kOverwrite);
   app->add_flag("--json", command->json, help::kJson);

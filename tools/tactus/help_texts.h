@@ -28,17 +28,18 @@ inline constexpr const char* kMembers = "largest number of bodies in the sub-wor
 inline constexpr const char* kOrder =
     "order in which bodies of the contact graph become members: best-first or breadth-first";
 inline constexpr const char* kPrecision =
-    "double, or mixed: contacts are solved in single precision;\ndefault: as in a run, mixed above 256 bodies";
+    "double, or mixed (contacts are solved in single precision);\ndefault: as in a run, mixed above 256 bodies";
 
 // Of experiments and sweeps.
 inline constexpr const char* kScenes = "scenes, separated by commas; default: all";
-inline constexpr const char* kSeeds = "number of hand motions for each scene; they differ slightly in press and slide";
+inline constexpr const char* kSeeds =
+    "number of hand motions for each scene; they press and slide slightly differently";
 inline constexpr const char* kWorkers = "number of processes on this machine; the figures do not depend on it";
 inline constexpr const char* kScheduler =
     "address of a scheduler of Dask distributed whose workers compute, such as tcp://127.0.0.1:8786;\n"
     "each worker has tactus at the same path, of the same version and instruction set";
 inline constexpr const char* kTrustNetwork =
-    "accept a scheduler that is neither on loopback nor TLS; a scheduler runs the code of any client that\nconnects";
+    "accept a scheduler that is neither on loopback nor TLS; it runs the code of any client that connects";
 
 // A list of `text`, with the values when the option is not given.
 inline std::string list_of(const std::string& text, const char* by_default) {

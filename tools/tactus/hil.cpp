@@ -224,7 +224,8 @@ void add_options(CLI::App& app, HilCommand& c) {
   app.add_option("--device", c.device, help::devices());
   app.add_option("--device-file", c.device_file, std::string(help::kDeviceFile) + "; default: --profile");
   app.add_option("--profile", c.profile, help::kProfile)->capture_default_str();
-  app.add_option("--only", c.only, "checks to run, separated by commas; default: all")->delimiter(',');
+  app.add_option("--only", c.only, "checks to run, separated by commas; default: all, but the soak only with --soak")
+      ->delimiter(',');
   app.add_flag("--list", c.list, "print the names of the checks and exit");
   app.add_flag("--yes", c.yes, "switch the motors on without asking");
   app.add_option("--force", c.options.force_N, "largest force that a check may command [N]; 0 to 50; default: 0");
@@ -241,8 +242,9 @@ void add_options(CLI::App& app, HilCommand& c) {
   app.add_option("--priority", c.priority, "SCHED_FIFO priority of that thread; 0: normal scheduling")
       ->check(CLI::Range(0, 98))
       ->capture_default_str();
-  app.add_option("--timing", c.timing,
-                 "judge, or report: print the times without a verdict, on a machine that other programs share")
+  app.add_option(
+         "--timing", c.timing,
+         "use of measured times: judge, or report (print them without a verdict, on a machine that others share)")
       ->capture_default_str();
   app.add_flag("--virtual-time", c.virtual_time,
                "run on a virtual clock, with a simulated device: the same figures every time");

@@ -369,15 +369,15 @@ void add_options(CLI::App& app, RunCommand& command) {
                  "scene file, such as sim/scenes/card_house.toml; not required if --config names one");
   app.add_option(
       "--config", command.config,
-      "configuration file of a deployment (`tactus config check --help`) with the values of all options that are not\n"
-      "given; the run logs events instead of a status line");
+      "configuration file of a deployment (`tactus config check --help`) with all options that are not given here;\n"
+      "the run logs events instead of a status line");
   app.add_option("--control", command.control,
                  "path of the control socket, for `tactus control`; a second hand's socket is PATH.2");
   app.add_flag("--view", command.view,
                "start a viewer of the run and print the address of its page; several hands: one viewer for each");
   app.add_option(
          "--hand", command.hand,
-         "motion of the simulated device: script: the scene's; pointer: by the mouse on a page, at rest until then")
+         "motion of the simulated device: script (of the scene), or pointer (the mouse on a page; at rest until then)")
       ->check(CLI::IsMember({"script", "pointer"}))
       ->capture_default_str();
   app.add_option("--pace", command.pace,
@@ -409,7 +409,7 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--reach", o.reach, "rule for the size of the boundary cube: two-cycles or paper")
       ->capture_default_str();
   app.add_option("--accuracy", o.accuracy,
-                 "members and sub-steps: fast: half of the scene's; balanced: the scene's; accurate: twice the scene's")
+                 "members and sub-steps, as multiples of the scene's: fast 0.5, balanced 1, accurate 2")
       ->capture_default_str();
   app.add_option("--rate", o.rate_Hz, std::string(help::kRate) + "; 100 to 10000")->capture_default_str();
   app.add_option("--ratio", o.ratio, std::string(help::kRatio) + "; 1 to 100; default: the scene's");
@@ -417,13 +417,13 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--duration", command.duration_s,
                  "duration of the run [s]; default: until stopped; in virtual time without --control and --view: 10");
   once_or_each(
-      app.add_option("--cpu", command.each.cpus, std::string(help::kCpu) + ". Several hands: one --cpu for each")
+      app.add_option("--cpu", command.each.cpus, std::string(help::kCpu) + ".\nSeveral hands: one --cpu for each")
           ->check(CLI::Range(0, 1023)));
   app.add_option("--world-threads", o.world_threads,
                  "number of threads that step the global world; 1 to 64; the results are the same bits")
       ->capture_default_str();
   app.add_option("--world-precision", o.world_precision,
-                 "precision of the global world: double, or mixed: contacts are solved in single precision")
+                 "precision of the global world: double, or mixed (contacts are solved in single precision)")
       ->capture_default_str();
   app.add_option("--world-cpu", command.world_cpus,
                  "cores of the global world, one for each of its threads, such as 2 or 1,3-4; default: any.\n"
@@ -437,8 +437,8 @@ void add_options(CLI::App& app, RunCommand& command) {
       exporting::OutputKind::kTape);
   app.add_option("--budget", command.budget,
                  std::string(help::kBudget) +
-                     ". The run is refused on another machine, at a higher rate, or with more\n"
-                     "sub-steps than measured; if it has more members, the run uses the measured number");
+                     ". The run is refused on another machine, at a higher rate, or\n"
+                     "with more sub-steps than measured; its members are limited to the measured number");
   app.add_flag("--rearm", o.rearm, "re-arm one second after a fault has latched; without this flag Enter re-arms");
   once_or_each(app.add_option(
       "--inject", command.each.injects,

@@ -134,7 +134,7 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
   CLI::App* app = program.add_subcommand(
       "timing", "Measure the times of the haptic loop at its capacity, by stage, on a device or a simulated one.");
   app->footer(
-      "Stages: wake (from the deadline until the thread runs), read (the device, simulated here), adopt (guard,\n"
+      "Stages: wake (from the deadline until the thread runs), read (the device or its model), adopt (guard,\n"
       "snapshot, report), couple, collide (up to the first sweep), solve, write (passivity, limits, the device).\n"
       "Windows of the loop and of a bare timer alternate, to show the loop's own share of a late wake-up.\n"
       "Exit status: 0 no tick was lost to the program's own work; 1 a tick was lost, a page fault occurred, or the\n"

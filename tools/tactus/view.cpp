@@ -109,7 +109,8 @@ CLI::App* add_view_command(CLI::App& program, int& exit_code) {
   CLI::App* app = program.add_subcommand(
       "view", "Serve a browser page of a running controller, a scene or a tape: bodies, contacts, plots.");
   app->footer(
-      "Prints the address of the page; its fragment is a token that is new at every start. The server listens on\n"
+      "The program prints the address of the page; its fragment is a token that is new at every start. The server "
+      "listens on\n"
       "this machine alone; from another one use ssh -L 8000:127.0.0.1:PORT. At most 4 pages. The viewer ends with\n"
       "the run; the run does not depend on the viewer. Pages may disarm and stop; requests that let a real device\n"
       "give force need --allow-force. A tape can be played and stepped at any point; bodies outside of the\n"
