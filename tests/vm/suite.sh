@@ -13,7 +13,7 @@ declare -A scenarios_of=(
   [fd]='programs:can-fd faults:can-fd recovery:can-fd hostile:can-fd hil:can-fd arms:can-fd own_device:can-fd gpio_hands libraries'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
-# With --quick: each scenario once, on one of the links.
+# With --quick: each scenario once, on one of the links, and QUICK set in the guest.
 declare -A quick_scenarios_of=(
   [usb]='drivers user:usb programs:usb house:usb falcon:usb'
   [can]='faults:can hil:can arms:can'
@@ -50,7 +50,7 @@ run_guest() {
     add_file "$file" "bench/$(basename "$file")"
   done
   for file in "$bench"/scenarios/*.sh; do add_file "$file" "bench/scenarios/$(basename "$file")"; done
-  echo "SOAK_FRAMES=$soak_frames exec sh /bench/suite ${*:2}" >"$scratch/root/etc/command"
+  echo "SOAK_FRAMES=$soak_frames QUICK=$quick exec sh /bench/suite ${*:2}" >"$scratch/root/etc/command"
   boot | tee "$logs/vm-$name.log" | show_verdicts
   echo "  guest '$name' took $((SECONDS - start)) s"
 }

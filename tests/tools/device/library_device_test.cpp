@@ -8,6 +8,7 @@
 
 using namespace tactus;
 using Catch::Matchers::Contains;
+using Catch::Matchers::Matches;
 using Catch::Matchers::StartsWith;
 
 namespace {
@@ -22,6 +23,9 @@ test::CommandOutput run(const std::string& arguments) {
 std::string hil(const std::string& device, const std::string& only) {
   return "hil --yes --force 1 --timing report --device " + device + " --only " + only;
 }
+
+// Of an exchange of 50 ms: hil looks before it ends, or after.
+const std::string kBlocks = "its library (took|makes no exchange since) ";
 
 struct HilRun {
   int exit_code{0};
@@ -71,11 +75,11 @@ TEST_CASE("dhd, openhaptics: a fault of the library in a push ends the force, an
     std::string device, fault, why;
   };
   const Case c = GENERATE(values<Case>({
-      {kOmega, "blocks", "its library took "},
+      {kOmega, "blocks", kBlocks},
       {kOmega, "errors", "its library refuses exchanges"},
       {kOmega, "old", "its library gives the old sample again"},
       {kOmega, "gone", "its library says that the device is not there"},
-      {kTouch, "blocks", "its library took "},
+      {kTouch, "blocks", kBlocks},
       {kTouch, "errors", "its library refuses exchanges"},
       {kTouch, "stops", "calls no more"},
       {kTouch, "fast", "the arm moved too fast"},
@@ -88,8 +92,8 @@ TEST_CASE("dhd, openhaptics: a fault of the library in a push ends the force, an
   CHECK(result.report["verdict"] == "bad");
   const auto& check = result.report["checks"][0];
   CHECK(check["verdict"] == "bad");
-  CHECK_THAT(check["reason"], Contains(c.why));
-  CHECK_THAT(result.report["left_in"], StartsWith("BRAKE: ") && Contains(c.why));
+  CHECK_THAT(check["reason"], Matches(".*" + c.why + ".*"));
+  CHECK_THAT(result.report["left_in"], Matches("BRAKE: .*" + c.why + ".*"));
   CHECK(result.end == "forces off\n");
 }
 
@@ -107,11 +111,11 @@ TEST_CASE("dhd, openhaptics: a library that refuses forces is bad in each check 
 
 TEST_CASE("dhd, openhaptics: a library that fails at rest is bad in words, and so is each check after it") {
   const auto [device, fault, why] = GENERATE(table<std::string, std::string, std::string>(
-      {{kOmega, "blocks", "its library took "}, {kTouch, "backwards", "clock ran backwards"}}));
+      {{kOmega, "blocks", kBlocks}, {kTouch, "backwards", "clock ran backwards"}}));
   const HilRun result = run_hil(device, "samples,enable,watchdog", fault + "@rest");
   CHECK(result.exit_code == 1);
   CHECK(result.report["bad"] == 3);
-  for (const auto& check : result.report["checks"]) CHECK_THAT(check["reason"], Contains(why));
+  for (const auto& check : result.report["checks"]) CHECK_THAT(check["reason"], Matches(".*" + why + ".*"));
   CHECK(result.end == "forces off\n");
 }
 

@@ -53,28 +53,31 @@ tactus hil --device falcon:@9-9 --yes >/out/falcon-no-port.log 2>&1
 verdict "falcon: at another port it says where there is one" "$(tail -n 1 /out/falcon-no-port.log)"
 stop_device falcon-port
 
-# --- the force gain: the readings of a scale below a Falcon that gives half of what it is taken for, at a hand at rest
-start_falcon --loaded 1 || exit
-printf 'none\n12\n\n38\n\n112\n\n165\n\n216\n12\n' |
-  tactus hil --calibrate --device falcon:,5000 --yes --out /tmp/gain.toml >/out/falcon-gain.log 2>&1
-grep -q '^name = "falcon:,10020"' /tmp/gain.toml
-verdict "falcon: hil --calibrate finds its force gain" "$(tail -n 1 /out/falcon-gain.log)"
-report
-awk -v most="$(value largest_N)" 'BEGIN { exit !(most >= 1.9 && most <= 2.1) }' && [ "$(value force_N)" = 0 ]
-verdict "falcon: the scale's pushes reach 2 N at its motors, and zeros at the end" "$line"
-stop_device falcon-gain
+# --- minutes of emulation, which --quick leaves out
+if [ -z "$QUICK" ]; then
+  # --- the force gain: the readings of a scale below a Falcon that gives half of what it is taken for, at a hand at rest
+  start_falcon --loaded 1 || exit
+  printf 'none\n12\n\n38\n\n112\n\n165\n\n216\n12\n' |
+    tactus hil --calibrate --device falcon:,5000 --yes --out /tmp/gain.toml >/out/falcon-gain.log 2>&1
+  grep -q '^name = "falcon:,10020"' /tmp/gain.toml
+  verdict "falcon: hil --calibrate finds its force gain" "$(tail -n 1 /out/falcon-gain.log)"
+  report
+  awk -v most="$(value largest_N)" 'BEGIN { exit !(most >= 1.9 && most <= 2.1) }' && [ "$(value force_N)" = 0 ]
+  verdict "falcon: the scale's pushes reach 2 N at its motors, and zeros at the end" "$line"
+  stop_device falcon-gain
 
-# --- the card house
-start_falcon --loaded 1 --scene /tmp/card_house.toml || exit
-tactus run /tmp/card_house.toml --device falcon --duration "${HOUSE_S:-1.2}" >/out/falcon-house.log 2>&1
-verdict "falcon: card house runs at 1000 Hz" "exit status $?; $(tail -n 1 /out/falcon-house.log)"
-contact=$(sed -n 's/^ *in contact *\([0-9.]*\) %.*/\1/p' /out/falcon-house.log)
-awk -v share="${contact:-0}" 'BEGIN { exit !(share >= 30) }'
-verdict "falcon: card house is touched (${contact:-0} % of the ticks)" "less than 30 %"
-report
-[ "$(value largest_N)" != 0 ] && [ "$(value force_N)" = 0 ]
-verdict "falcon: its force reaches the motors, and zeros at the end" "$line"
-stop_device falcon-house
+  # --- the card house
+  start_falcon --loaded 1 --scene /tmp/card_house.toml || exit
+  tactus run /tmp/card_house.toml --device falcon --duration "${HOUSE_S:-1.2}" >/out/falcon-house.log 2>&1
+  verdict "falcon: card house runs at 1000 Hz" "exit status $?; $(tail -n 1 /out/falcon-house.log)"
+  contact=$(sed -n 's/^ *in contact *\([0-9.]*\) %.*/\1/p' /out/falcon-house.log)
+  awk -v share="${contact:-0}" 'BEGIN { exit !(share >= 30) }'
+  verdict "falcon: card house is touched (${contact:-0} % of the ticks)" "less than 30 %"
+  report
+  [ "$(value largest_N)" != 0 ] && [ "$(value force_N)" = 0 ]
+  verdict "falcon: its force reaches the motors, and zeros at the end" "$line"
+  stop_device falcon-house
+fi
 
 # --- ways out
 for way in INT TERM HUP; do
