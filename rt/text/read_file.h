@@ -1,4 +1,5 @@
-// Reads a file that a user names, up to a limit. Thread: [setup].
+// Reads a file, up to a limit. A read that fails does not throw, as it does with std::istreambuf_iterator: the files of
+// /proc fail when their process or thread has ended meanwhile. Thread: [setup].
 #pragma once
 
 #include <cstddef>

@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "rt/base/math.h"
 #include "rt/base/result.h"
+#include "rt/base/spatial.h"
 
 namespace tactus::sim {
 

@@ -87,4 +87,5 @@ TEST_CASE("mechanics file: the example is accepted as it is", "[firmware]") {
   CHECK(d.axes[3].count_bits == 16);
   CHECK(is_valid(d.control));
   CHECK(read_mechanics("/no-such-file", d) == "/no-such-file: cannot be read");
+  CHECK(read_mechanics("/", d) == "/: cannot be read");
 }

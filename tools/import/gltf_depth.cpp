@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "rt/text/read_file.h"
 #include "tools/import/shape_source.h"
 
 namespace tactus::scene_import {
@@ -20,8 +19,7 @@ using nlohmann::json;
 constexpr std::size_t kGlbText = 20;
 
 std::string json_text_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::string bytes = text::read_file(file, kMaxFileBytes).value_or("");
   if (!bytes.starts_with("glTF") || bytes.size() < kGlbText) return bytes;
   std::uint32_t length = 0;
   std::memcpy(&length, bytes.data() + 12, sizeof length);

@@ -27,7 +27,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uintmax_t kMaxFileBytes = 64u << 20;
 constexpr Limits kLimits{.wall_s = 60, .cpu_s = 30, .memory_bytes = 2u << 30, .answer_bytes = 256u << 20};
 
 // Opens files of one folder alone, for reading.

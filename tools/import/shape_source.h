@@ -13,6 +13,7 @@ namespace tactus::scene_import {
 
 inline constexpr std::size_t kMaxShapeNodes = 1'000, kMaxShapeTriangles = 1'000'000;
 inline constexpr unsigned kMaxNodeDepth = 100;
+inline constexpr std::size_t kMaxFileBytes = 64u << 20;  // of each file
 
 struct ShapeOptions {
   double unit_m{1};                // the length that the file calls 1

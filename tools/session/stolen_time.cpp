@@ -1,8 +1,8 @@
 #include "tools/session/stolen_time.h"
 
-#include <fstream>
-#include <iterator>
 #include <sstream>
+
+#include "rt/text/read_file.h"
 
 namespace tactus::session {
 
@@ -27,9 +27,8 @@ std::optional<CpuTime> cpu_time(const std::string& proc_stat, int cpu) {
 }
 
 std::optional<CpuTime> cpu_time_now(int cpu) {
-  std::ifstream file("/proc/stat");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  return cpu_time(text, cpu);
+  constexpr std::size_t kMaxBytes = 1 << 20;
+  return cpu_time(text::read_file("/proc/stat", kMaxBytes).value_or(""), cpu);
 }
 
 std::optional<double> stolen_share(const std::optional<CpuTime>& before, const std::optional<CpuTime>& after) {

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "rt/base/hash.h"
+#include "rt/text/read_file.h"
 #include "tools/json_text.h"
 #include "tools/version/provenance.h"
 
@@ -133,9 +133,12 @@ Result<Budget> read_budget(const std::string& text, const std::string& name) {
 }
 
 Result<Budget> load_budget(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) return Status::error(fmt::format("{}: no such file; accepted: one of `tactus timing --certify`", path));
-  return read_budget({std::istreambuf_iterator<char>(file), {}}, path);
+  constexpr std::size_t kMaxBytes = 1 << 20;
+  const auto text = text::read_file(path, kMaxBytes);
+  if (!text || text->size() > kMaxBytes)
+    return Status::error(fmt::format("{}: {}; accepted: a file of `tactus timing --certify`", path,
+                                     text ? "more than 1 MB" : "cannot be read"));
+  return read_budget(*text, path);
 }
 
 BudgetAnswer check_budget(const Budget& budget, const Machine& machine, const BudgetRequest& request) {

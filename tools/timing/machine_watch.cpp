@@ -3,21 +3,19 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <vector>
 
 #include "rt/base/clock.h"
+#include "rt/text/read_file.h"
 #include "tools/session/stolen_time.h"
 
 namespace tactus::timing {
 namespace {
 
-std::string text_of(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+constexpr std::size_t kMaxProcBytes = 1 << 20;
+
+std::string text_of(const std::string& path) { return text::read_file(path, kMaxProcBytes).value_or(""); }
 
 template <class T>
 std::optional<T> difference(const std::optional<T>& before, const std::optional<T>& after) {

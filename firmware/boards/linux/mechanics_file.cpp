@@ -141,7 +141,8 @@ std::string parse_mechanics(std::string_view text, const std::string& name, Mech
 
 std::string read_mechanics(const std::string& path, MechanicsDescription& description) {
   std::ifstream file(path);
-  if (!file) return path + ": cannot be read";
+  file.peek();  // of a folder it fails here, where the iterators would throw
+  if (file.bad() || !file.is_open()) return path + ": cannot be read";
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   return parse_mechanics(text, path, description);
 }

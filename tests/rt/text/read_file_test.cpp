@@ -15,4 +15,5 @@ TEST_CASE("a file is read whole, one above the limit up to a byte more, and what
   CHECK(read_file(file.path(), 5) == "twelve");
   CHECK_FALSE(read_file(file.path() + ".none", 100).has_value());
   CHECK_FALSE(read_file("/", 100).has_value());
+  CHECK_FALSE(read_file("/proc/self/mem", 100).has_value());  // it opens, and its first byte cannot be read
 }
