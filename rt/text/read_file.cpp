@@ -1,17 +1,21 @@
 #include "rt/text/read_file.h"
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 
 namespace tactus::text {
 
 std::optional<std::string> read_file(const std::filesystem::path& path, std::size_t limit_bytes) {
   std::ifstream file(path, std::ios::binary);
-  std::error_code none;
-  if (!file || std::filesystem::is_directory(path, none)) return std::nullopt;
-  std::string text(limit_bytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return std::nullopt;
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (!file) return std::nullopt;
+  std::string text;
+  std::array<char, 16'384> part;
+  while (file && text.size() <= limit_bytes) {
+    file.read(part.data(), static_cast<std::streamsize>(std::min(part.size(), limit_bytes + 1 - text.size())));
+    text.append(part.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (file.bad()) return std::nullopt;  // of a folder too: it opens, and cannot be read
   return text;
 }
 

@@ -165,12 +165,12 @@ void add_device_new_command(CLI::App& device, int& exit_code) {
   CLI::App* app = device.add_subcommand(
       "new", "Write the description file of a device, from options or from answers to questions.");
   app->footer(
-      "On a terminal without --kind, or with --ask, the program asks for every value that no option gives. The "
-      "description\n"
-      "is checked as a run checks it: ranges of the drives, identifiers, load of the buses. A value that only a\n"
-      "measurement can give is an estimate, and the file marks it so. Values that are not given are chosen to suit\n"
-      "the others, for an arm of this size. Without --out the description is printed; with it a scene is written as\n"
-      "well, whose gains are stable on the arm. Exit status: 0 good; 2 a value does not suit the others.\n\n"
+      "On a terminal without --kind, or with --ask, the program asks for every value that no option gives. The\n"
+      "description is checked as a run checks it: ranges of the drives, identifiers, load of the buses. A value\n"
+      "that only a measurement can give is an estimate, and the file marks it so. Values that are not given are\n"
+      "chosen to suit the others, for an arm of this size. Without --out the description is printed; with it a\n"
+      "scene is written as well, whose gains are stable on the arm. Exit status: 0 good; 2 a value does not suit\n"
+      "the others.\n\n"
       "Examples:\n"
       "  tactus device new --kind point_arm --family damiao --out my_arm.toml\n"
       "  tactus device new --kind wristed_arm --family moteus --buses can0,can1 --ratio 8 --peak-torque 0.5\n"

@@ -89,14 +89,14 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
   CLI::App* command = experiment.add_subcommand(
       "accuracy-cost", "Measure the error of the force against the time of a tick, by setting.");
   command->footer(
-      "The experiment varies sub-steps, relax sweeps, friction, contact frequency, members, ratio, border, extraction "
-      "and the\n"
-      "precision of the global world. The reference is a run of all bodies at 1 kHz with 16 sub-steps and two relax\n"
-      "sweeps, on the windows of `energy-loss`; the error is thus that of the solver and of the coupling. A setting\n"
-      "is on the front if no other is as accurate and cheaper in the median. Errors are of virtual time, the same\n"
-      "on every machine; times are CPU time on this machine. Where valgrind is installed, the instructions of the\n"
-      "front and of the default are counted too, not with --quick. All of it takes some twenty minutes. With\n"
-      "--workers or --scheduler only the first hand is timed, by this process, after the others have ended.\n\n"
+      "The experiment varies sub-steps, relax sweeps, friction, contact frequency, members, ratio, border,\n"
+      "extraction and the precision of the global world. The reference is a run of all bodies at 1 kHz with 16\n"
+      "sub-steps and two relax sweeps, on the windows of `energy-loss`; the error is thus that of the solver and\n"
+      "of the coupling. A setting is on the front if no other is as accurate and cheaper in the median. Errors\n"
+      "are of virtual time, the same on every machine; times are CPU time on this machine. Where valgrind is\n"
+      "installed, the instructions of the front and of the default are counted too, not with --quick. All of it\n"
+      "takes some twenty minutes. With --workers or --scheduler only the first hand is timed, by this process,\n"
+      "after the others have ended.\n\n"
       "Example:\n"
       "  tactus experiment accuracy-cost --quick\n"
       "  tactus experiment accuracy-cost --scenes pile,wall --page cost.html");

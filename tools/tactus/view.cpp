@@ -109,13 +109,13 @@ CLI::App* add_view_command(CLI::App& program, int& exit_code) {
   CLI::App* app = program.add_subcommand(
       "view", "Serve a browser page of a running controller, a scene or a tape: bodies, contacts, plots.");
   app->footer(
-      "The program prints the address of the page; its fragment is a token that is new at every start. The server "
-      "listens on\n"
-      "this machine alone; from another one use ssh -L 8000:127.0.0.1:PORT. At most 4 pages. The viewer ends with\n"
-      "the run; the run does not depend on the viewer. Pages may disarm and stop; requests that let a real device\n"
-      "give force need --allow-force. A tape can be played and stepped at any point; bodies outside of the\n"
-      "sub-world are computed from it, and where this is impossible, the page says why. Exit status: 0 good; 2 a\n"
-      "run of another version, no tape; 3 no run answers, no page in this build, the port is in use.\n\n"
+      "The program prints the address of the page; its fragment is a token that is new at every start. The server\n"
+      "listens on this machine alone; from another one use ssh -L 8000:127.0.0.1:PORT. At most 4 pages. The\n"
+      "viewer ends with the run; the run does not depend on the viewer. Pages may disarm and stop; requests that\n"
+      "let a real device give force need --allow-force. A tape can be played and stepped at any point; bodies\n"
+      "outside of the sub-world are computed from it, and where this is impossible, the page says why. Exit\n"
+      "status: 0 good; 2 a run of another version, no tape; 3 no run answers, no page in this build, the port is\n"
+      "in use.\n\n"
       "Examples:\n"
       "  tactus run sim/scenes/card_house.toml --control c.sock\n"
       "  tactus view --socket c.sock\n"

@@ -25,7 +25,7 @@ std::string hil(const std::string& device, const std::string& only) {
 }
 
 // Of an exchange of 50 ms: hil looks before it ends, or after.
-const std::string kBlocks = "its library (took|makes no exchange since) ";
+const std::string kBlocks = R"(its library (took [0-9.]+ ms for an exchange|makes no exchange since [0-9]+ ms: ))";
 
 struct HilRun {
   int exit_code{0};
