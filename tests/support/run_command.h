@@ -2,8 +2,10 @@
 #pragma once
 
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <cstdio>
 #include <string>
 
@@ -21,6 +23,36 @@ inline CommandOutput run_command(const std::string& command) {
   char buffer[4096];
   for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.out.append(buffer, n);
   const int status = pclose(pipe);
+  if (WIFEXITED(status)) output.exit_code = WEXITSTATUS(status);
+  return output;
+}
+
+// A program that runs until it is told to stop: as soon as it has printed `text`, it gets SIGTERM. One that never
+// prints it runs until ctest's own time limit.
+inline CommandOutput run_until(const std::string& text, const std::string& command) {
+  int ends[2];
+  REQUIRE(pipe(ends) == 0);
+  const pid_t program = fork();
+  REQUIRE(program >= 0);
+  if (program == 0) {
+    dup2(ends[1], STDOUT_FILENO);
+    close(ends[0]);
+    close(ends[1]);
+    execl("/bin/sh", "sh", "-c", ("exec " + command).c_str(), nullptr);
+    _exit(127);
+  }
+  close(ends[1]);
+  CommandOutput output;
+  bool told = false;
+  char buffer[4096];
+  for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;) {
+    output.out.append(buffer, static_cast<std::size_t>(n));
+    if (told || output.out.find(text) == std::string::npos) continue;
+    told = kill(program, SIGTERM) == 0;
+  }
+  close(ends[0]);
+  int status = 0;
+  waitpid(program, &status, 0);
   if (WIFEXITED(status)) output.exit_code = WEXITSTATUS(status);
   return output;
 }

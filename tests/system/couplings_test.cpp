@@ -72,9 +72,9 @@ void every_coupling_runs(std::size_t share, std::size_t shares) {
 
 }  // namespace
 
-TEST_CASE("every coupling runs every scene that ships, without a fault, near the direct force: first half") {
+TEST_CASE("every coupling runs every scene that ships, without a fault, near the direct force: first half", "[slow]") {
   every_coupling_runs(0, 2);
 }
-TEST_CASE("every coupling runs every scene that ships, without a fault, near the direct force: second half") {
+TEST_CASE("every coupling runs every scene that ships, without a fault, near the direct force: second half", "[slow]") {
   every_coupling_runs(1, 2);
 }

@@ -166,8 +166,8 @@ TEST_CASE("several hands: a configuration names their devices, and the run is lo
   CHECK(checked.exit_code == 0);
   CHECK_THAT(checked.out, Contains("good; Two hands push a block to and fro on sim, sim at 1000 Hz"));
   // Told to stop it has done its work, whatever its hands came to.
-  const auto output = run_command("timeout --preserve-status --signal TERM 3 " + std::string(TACTUS_PROGRAM) +
-                                  " run --config " + config.path() + " --inject '' --inject estop@200 2>&1");
+  const auto output = run_until("fault hand=2 ", std::string(TACTUS_PROGRAM) + " run --config " + config.path() +
+                                                     " --inject '' --inject estop@200 2>&1");
   INFO(output.out);
   CHECK(output.exit_code == 0);
   CHECK_THAT(output.out, Contains("running hand=1 ") && Contains("running hand=2 "));

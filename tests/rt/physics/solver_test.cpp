@@ -108,7 +108,7 @@ TEST_CASE("A sphere rolls down a slope with 5/7 g sin") {
   CHECK(bench.velocity(1).angular.y * radius == Approx(v1).epsilon(0.001));  // it rolls
 }
 
-TEST_CASE("Each cube of a stack of twenty sinks as deep as its load and its effective mass say") {
+TEST_CASE("Each cube of a stack of twenty sinks as deep as its load and its effective mass say", "[slow]") {
   const double half = 0.05, mass = 0.1;
   PhysicsBench bench;
   bench.add_ground(0, 0.5);
@@ -291,7 +291,7 @@ TEST_CASE("A load that rests stays where it is when the number of sub-steps chan
   }
 }
 
-TEST_CASE("A cut at any sweep leaves every sub-step done, a finite state and no energy that nobody gave") {
+TEST_CASE("A cut at any sweep leaves every sub-step done, a finite state and no energy that nobody gave", "[slow]") {
   // An impact at full speed: the worst place to stop, because the impulse of the impact is the next warm start.
   const auto make = [](PhysicsBench& bench) {
     bench.add_ground(0, 0.5);

@@ -98,7 +98,7 @@ TEST_CASE("device new --ask: an answer counts, an empty line keeps what is offer
   CHECK(description.value().description.drives.axes[0].ratio == 8);
 }
 
-TEST_CASE("device new: what it writes for each kind on each family runs by the command that it prints") {
+TEST_CASE("device new: what it writes for each kind on each family runs by the command that it prints", "[slow]") {
   for (const std::string kind : {"point_arm", "wristed_arm", "stage"})
     for (const std::string family :
          {"damiao", "cubemars", "mini_cheetah", "robstride", "moteus", "odrive", "firmware"}) {

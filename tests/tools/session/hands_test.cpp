@@ -237,7 +237,8 @@ TEST_CASE("What several hands cannot have is refused in one line") {
   CHECK(Bench(tug_text(), "", "teleport").error.starts_with("hand 2: --inject"));
 }
 
-TEST_CASE("Two hands on one body bear less stiffness the later they feel each other, and a run keeps to that") {
+TEST_CASE("Two hands on one body bear less stiffness the later they feel each other, and a run keeps to that",
+          "[slow]") {
   const sim::Scene scene = scene_of(tug_text());
   const auto device = hal::find_profile("virtuose6d")->properties;
   session::RunOptions options;

@@ -73,7 +73,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("A stack of blocks stands as deep and as still as one of boxes, however many slices they have") {
+TEST_CASE("A stack of blocks stands as deep and as still as one of boxes, however many slices they have", "[slow]") {
   const Vec3d half{0.04, 0.04, 0.04};
   const auto run = [&](int slices, double step_s, std::uint32_t sub_steps, double hertz) {
     const Block block(slices, half);
