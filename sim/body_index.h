@@ -1,10 +1,10 @@
 // The index of a moving body of the scene: its rank by id among all of them, awake or asleep.
 //
-// A world has another index, the slot (rt/physics/slot_index.h): the rank among the bodies that are in it, so among the
-// awake ones. It changes when a body falls asleep, and an index of the one kind never means the same body as that
-// number of the other. So each is a type of its own: neither converts to the other, to an id or to an integer, and what
-// a BodyIndex selects is a BodySpan or BodyVector, which takes nothing else. IslandManager::awake() leads from slots to
-// body indices. Costs no instruction. Thread: [any].
+// A world has another index, the slot (rt/physics/slot_index.h): the rank among the bodies in that world, which are the
+// awake ones. Slots change when a body falls asleep, and equal values of a slot and a BodyIndex need not mean the same
+// body. Therefore each is a type of its own: neither converts to the other, to an id or to an integer, and a BodySpan
+// or BodyVector is indexed by BodyIndex only. IslandManager::awake() maps slots to body indices. Costs no instruction.
+// Thread: [any].
 #pragma once
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 // The thread of the global world: normal priority, on its own core if configured. It polls for reports.
 //
-// It sleeps between polls, so that the haptic thread need not wake it. With several devices a step waits for all of
-// their reports, but for none longer than kPatienceSteps: a haptic thread that has stopped leaves the others their
-// world. Thread: start and stop by one normal thread; progress() by any. Units: ns, as named. Bound: a report is read
-// at most one poll period (and the scheduler's delay) after it was published. Errors: start() returns what could not be
-// set; the thread then runs without it.
+// It sleeps between polls, so that the haptic thread need not wake it. With several devices a step starts when all
+// reports have arrived, at the latest kPatienceSteps step lengths after the first: if a haptic thread stops, the world
+// continues for the other devices. Thread: start and stop by one normal thread; progress() by any. Units: ns, as named.
+// Bound: a report is read at most one poll period (and the scheduler's delay) after it was published. Errors: start()
+// returns what could not be set; the thread then runs without it.
 #pragma once
 
 #include <atomic>
@@ -43,7 +43,8 @@ class GlobalThread {
     std::int64_t last_step_ns{0}, longest_step_ns{0};
   };
 
-  // Steps of the world that a device waits for another's report, before the world goes on without that one.
+  // Longest time that a device with a report waits for the reports of the others, in lengths of a global step. Then the
+  // world continues without the missing ones.
   static constexpr double kPatienceSteps = 2;
 
   GlobalThread(GlobalWorld& world, haptics::Exchange& exchange, GlobalThreadOptions options);
@@ -73,7 +74,7 @@ class GlobalThread {
   SnapshotServer server_;
   GlobalThreadOptions options_;
   Histogram step_times_;
-  std::int64_t waiting_since_ns_{0};  // for a report, since another device has reported; 0: not
+  std::int64_t waiting_since_ns_{0};  // when a device began to wait for the others' reports; 0: none waits
   std::atomic<std::uint64_t> cycles_{0};
   std::atomic<std::int64_t> last_step_ns_{0}, longest_step_ns_{0};
   std::atomic<bool> stop_{false};

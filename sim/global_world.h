@@ -1,17 +1,17 @@
 // The global world: simulates every body of the scene, one step of r ticks per cycle, beside the haptic sub-worlds.
 //
 // One cycle: read the report H(n), impose the members' state, apply the returned border impulses, step by r T, choose
-// the members of cycle n + 1, write the snapshot G(n+1). The sub-world moves the members: only the state of joiners and
-// of buffer bodies (border_buffer.h) goes down. The coupling schemes differ in `impose` and `fill_snapshot`; the direct
-// coupling has no global world. With the effect sleeping, resting islands are removed from the world: island_manager.h.
-// Proxies, members, all bodies connected to them, and all bodies in reach of a proxy are always awake. A device is a
-// proxy with its sub-world (GlobalOptions::more_devices). A body is a member of at most one sub-world; for the others
-// it is outside. It stays where it is while it touches that proxy; a body that touches another proxy, and has not
-// touched its own for ExtractionOptions::linger_cycles, is left to the other: sim/global_world_devices.cpp. With
-// several devices a step imposes each report, advances once, and fills each snapshot. Thread: construction [setup]; the
-// rest: one owner, any priority; a step allocates nothing, the first snapshot and a reset do. Frame: world. Units: SI.
-// Bound: capacities from the scene's size; overflow by the engine's rules, bits in the statistics. Source: the paper,
-// section 2; several displays are its future work.
+// the members of cycle n + 1, write the snapshot G(n+1). The sub-world moves the members, so a snapshot contains the
+// state only of joiners and of buffer bodies (border_buffer.h). The coupling schemes differ in `impose` and
+// `fill_snapshot`; the direct coupling has no global world. With the effect sleeping, resting islands are removed from
+// the world: island_manager.h. Proxies, members, all bodies connected to them, and all bodies in reach of a proxy are
+// always awake. A device is a proxy with its sub-world (GlobalOptions::more_devices). A body is a member of at most one
+// sub-world; for the others it is outside. It remains a member while it touches that sub-world's proxy; once it has not
+// touched that proxy for ExtractionOptions::linger_cycles and touches another one, it leaves and may join the other:
+// sim/global_world_devices.cpp. With several devices a step imposes each report, advances once, and fills each
+// snapshot. Thread: construction [setup]; the rest: one owner, any priority; a step allocates nothing, the first
+// snapshot and a reset do. Frame: world. Units: SI. Bound: capacities from the scene's size; overflow by the engine's
+// rules, bits in the statistics. Source: the paper, section 2; several displays are its future work.
 #pragma once
 
 #include <memory>
@@ -66,7 +66,7 @@ struct GlobalStatistics {
   std::uint32_t most_uneven_members{0};
   std::uint64_t uneven_cycles{0};
   std::uint64_t joins{0}, leaves{0};
-  std::uint64_t handed_over{0};      // bodies that one sub-world left to another device
+  std::uint64_t handed_over{0};      // members that left a sub-world because they touch another proxy
   std::uint64_t dropped_entries{0};  // what did not fit: pairs, contacts, triangles of a step, entries of a snapshot
   std::uint64_t rejected_states{0};  // members whose reported state was not finite
   std::uint32_t capacity_bits{0};    // physics::CapacityBit
@@ -104,8 +104,8 @@ class GlobalWorld {
   // state, with the proxy at the pose in the report. A reset allocates, and takes as long as a start.
   void step(const haptics::SubWorldReport& report, haptics::WorldSnapshot& next) noexcept;
 
-  // The same for several devices, by device. Null: nothing has come from that device; its proxy is brought to rest, its
-  // members move with the world, and no snapshot is written for it. A reset waits until all devices request it.
+  // The same for several devices, by device. Null: no report has come from that device; its proxy is brought to rest,
+  // its members move with the world, and no snapshot is written for it. A reset waits until all devices request it.
   void step(std::span<const haptics::SubWorldReport* const> reports,
             std::span<haptics::WorldSnapshot* const> next) noexcept;
 
@@ -148,7 +148,7 @@ class GlobalWorld {
  private:
   static constexpr std::uint32_t kLongApart = 1u << 20;
 
-  // Bodies go by their BodyIndex; slots are the world's.
+  // Bodies are identified by BodyIndex; slots are the world's.
   struct Device {
     BodyId id;  // of the proxy
     BodyIndex proxy;

@@ -1,14 +1,14 @@
 // The devices of a global world: how each holds its proxy, and which sub-world a body belongs to.
 //
-// A body that two proxies hold is a member of one sub-world, so only one loop feels it without delay; to the other it
-// is an outside body, some two cycles late. Between the two loops go states and momentum, never a spring: the spring of
-// each coupling is in one loop alone. Which one is decided by touch, not by influence, so that a body that lies between
-// two hands does not change sides:
+// A body that two proxies hold is a member of one sub-world only. The loop of that sub-world simulates it without
+// delay; in the other loop it is an outside body, some two cycles late. The loops exchange states and momentum, never
+// spring forces: the spring of each coupling acts in one loop only. The sub-world of a body is decided by contacts with
+// the proxies, not by influence, so that a body between two hands does not alternate between the sub-worlds:
 //   - a body belongs to the first sub-world that takes it, the lower device first;
-//   - it stays there while it touches that proxy, whatever else it touches;
-//   - once it has not done so for linger_cycles and touches another proxy, its sub-world leaves it to the other.
-// Bodies that joints connect count as one: they touch a proxy if one of them does. All of it depends on the contacts of
-// the global world alone, in the order of devices and bodies, so the same reports give the same members.
+//   - it remains a member there while it touches that proxy, whatever else it touches;
+//   - once it has not touched that proxy for linger_cycles and touches another one, it leaves and may join the other.
+// Bodies that joints connect count as one: they touch a proxy if one of them does. These rules depend on the contacts
+// of the global world alone, in the order of devices and bodies, so the same reports give the same members.
 #include "sim/global_world.h"
 
 namespace tactus::sim {
@@ -39,7 +39,7 @@ void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
   }
 }
 
-// Nothing has come from this device: what it last sent is too old to pull the proxy by.
+// Clears target and wrenches of a device without a report: those that it sent last are too old to act on the proxy.
 void GlobalWorld::leave_out(Device& device) noexcept {
   device.target = {};
   device.held_by = {};
@@ -52,7 +52,8 @@ void GlobalWorld::build_graph() noexcept {
   for (Device& device : devices_) note_held_bodies(device);
 }
 
-// Updates `apart`: bodies that touch the proxy, and those that joints connect to them.
+// Updates `apart`, the steps since each body last touched the proxy. A body that joints connect to a touching body
+// counts as touching.
 void GlobalWorld::note_held_bodies(Device& device) noexcept {
   for (const BodyIndex body : device.apart.indices())
     if (device.apart[body] < kLongApart) ++device.apart[body];
@@ -76,7 +77,8 @@ bool GlobalWorld::must_leave(const Device& device, BodyIndex body) const noexcep
                      [&](const Device& other) noexcept { return &other != &device && other.apart[body] == 0; });
 }
 
-// Sets free_: no proxy and no member of another device, and no body to be left to another.
+// Sets free_ to 0 for the other devices' proxies and members, and for members of this device that must leave; to 1 for
+// all others.
 void GlobalWorld::find_free_bodies(const Device& device) noexcept {
   free_.fill(1);
   if (devices_.size() == 1) return;

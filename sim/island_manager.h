@@ -5,7 +5,7 @@
 // has been slow for long enough, the island is removed from the world: its bodies' velocities are set to 0 and its
 // contacts' impulses are stored. A sleeping island costs only a grid query for the awake bodies near it. It wakes as a
 // whole: its bodies return at their poses, and the impulses are warm starts, so that a heap carries its own weight from
-// the first sub-step. Bodies go by their BodyIndex (body_index.h); a slot is that of the world.
+// the first sub-step. Bodies are identified by BodyIndex (body_index.h); a slot is the index in the world.
 // Thread: construction [setup]; the rest: the global world's owner, allocates nothing. Frame: world. Units: SI. Bound:
 // as many bodies as given; contact impulses that do not fit are dropped (those contacts start cold).
 #pragma once
@@ -88,7 +88,7 @@ class IslandManager {
   std::vector<BodyIndex> awake_;          // by slot
   BodyVector<std::uint32_t> slow_steps_;  // consecutive slow steps, at most SleepRule::steps
 
-  // An island goes by its lowest body: its list of bodies begins there.
+  // An island is identified by its lowest body, the first of its linked list.
   BodyVector<BodyIndex> island_of_;         // its island; kAwake
   BodyVector<BodyIndex> next_body_;         // the next of its island; kNoBodyIndex
   BodyVector<std::uint32_t> first_parked_;  // of an island: its first sleeping contact; kNone

@@ -1,8 +1,8 @@
 // The global side of the exchange: reads H(n) when it is available, steps the global world, publishes G(n+1).
 //
-// With several devices there is one exchange for each, and one step for all of them: it begins when all reports are
-// there. A device that does not report can be left out (GlobalThread decides), so that the others keep their world.
-// serve() never waits, so that a thread can poll it and a virtual clock can call it.
+// With several devices there is one exchange for each, and one step for all of them: it begins when all reports have
+// arrived. A device that does not report can be left out of the step (GlobalThread decides), so that the world
+// continues for the others. serve() never waits, so that a thread can poll it and a virtual clock can call it.
 // Thread: the global world's, [setup] publish_first. Bound: no report or snapshot number is skipped; a late report
 // causes a late snapshot, nothing else.
 #pragma once
@@ -45,13 +45,13 @@ class SnapshotServer {
     }
     return any;
   }
-  // True if a device waits for others.
+  // True if at least one report is available: its device waits for the step.
   bool is_waited_for() const noexcept {
     for (std::size_t d = 0; d < exchanges_.size(); ++d)
       if (has_report(d)) return true;
     return false;
   }
-  // From now on the world does not wait for the devices whose report is not there, until it has come.
+  // Excludes the devices without a report from the following steps, each until its next report is available.
   void leave_out_the_missing() noexcept {
     for (std::size_t d = 0; d < exchanges_.size(); ++d)
       if (!has_report(d)) left_out_[d] = 1;
@@ -75,7 +75,7 @@ class SnapshotServer {
   }
 
   std::uint64_t next_report(std::size_t device = 0) const noexcept { return next_[device]; }
-  // [setup] The world and all exchanges have been restored to where this report is the next of each device.
+  // [setup] Call after the world and all exchanges have been restored: the next report of each device has this number.
   void continue_at(std::uint64_t next_report) noexcept {
     std::ranges::fill(next_, next_report);
     std::ranges::fill(left_out_, 0);
@@ -84,7 +84,8 @@ class SnapshotServer {
  private:
   bool has_report(std::size_t d) const noexcept { return exchanges_[d]->reports.try_read(next_[d]) != nullptr; }
 
-  // By device: next_: n; left_out_: 1 while the world does not wait for it; the others: of the cycle being served.
+  // By device. next_: n, the number of its next report; left_out_: 1 while steps do not wait for its report; reports_,
+  // snapshots_: of the cycle being served.
   GlobalWorld& world_;
   std::vector<haptics::Exchange*> exchanges_;
   std::vector<std::uint64_t> next_;

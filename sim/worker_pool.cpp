@@ -10,7 +10,7 @@ namespace {
 // About a tenth of a millisecond: longer than most serial parts of a step, and short after the end of a step.
 constexpr int kSpins = 2000;
 
-// Tells the core that it spins.
+// Executes the CPU's hint for a spin-wait loop.
 void pause() noexcept {
 #if defined(__x86_64__)
   __builtin_ia32_pause();

@@ -9,8 +9,8 @@
 //   stable       1 + L(z) = 0 on the unit circle
 //                Uncoupled stability, without a hand: a mass under held force, a backward difference, t_d. For small
 //                damping it is the line K < (b + B) / (T/2 + t_d) (Gil, Avello, Rubio, Florez 2004; with delay: Hulin,
-//                Preusche, Hirzinger 2008); it bends down where B T / m is not small, and reaches 0 where the damper
-//                alone is unstable.
+//                Preusche, Hirzinger 2008); the limit is below this line where B T / m is not small, and reaches 0
+//                where the damper alone is unstable.
 //   damper       B <= 0.5 m / T
 //                A sampled damper on a free mass. With the backward difference, the hold and one period of delay its
 //                poles are the roots of z^3 - z^2 + (c/2)(z + 1), c = B T/m: stable for c < 2 (sqrt 2 - 1) = 0.83.

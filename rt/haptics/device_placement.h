@@ -32,10 +32,11 @@ struct DevicePlacement {
   Config config;
   State state;
 
-  // Pose of the coupling's target.
+  // Pose of the coupling's target [m], and its twist [m/s, rad/s], in the world, from those of the tool in the device
+  // frame.
   Posed world_from_target(const Posed& device_from_tool) const noexcept;
   Twistd target_twist(const Twistd& tool_twist) const noexcept;
-  // Wrench on the hand for a wrench on the target.
+  // Wrench on the hand [N, N m, device frame] for a wrench on the target [N, N m, world].
   Wrenchd device_wrench(const Wrenchd& world_wrench) const noexcept;
   // Clutches: the tool at `device_from_tool` now maps to `world_from_target`. Re-engaging after a fault puts the target
   // on the proxy wherever the hand is: the spring starts unloaded and the force has no step.

@@ -39,7 +39,7 @@ double limit_now(const ForceLimiter::PortConfig& config, const ForceLimiter::Por
   return std::sqrt(continuous2 + (peak2 - continuous2) * cool);
 }
 
-// What a tick asks of both ports.
+// The inputs of a tick that are the same for both ports.
 struct Request {
   double fade, fade_ratio;  // fade_ratio: to the last tick's fade if it falls, else 1
   Slew slew;

@@ -6,8 +6,9 @@
 //   1. not finite: zero, at once, and Fault kOutputNotFinite; no component of such a wrench is used;
 //   2. saturation to the present limit L (kForceSaturated): L = peak while cool, towards continuous when warm;
 //   3. the fade factor;
-//   4. slew: at most `slew * T` from the last output (kSlewLimited). A fade that goes down is exempt: the last output
-//      is scaled with it first, so that a fade to zero is at zero when the fade is, whatever the slew.
+//   4. slew: at most `slew * T` from the last output (kSlewLimited). A falling fade is exempt: the last output is
+//      first scaled by the ratio of this fade to the last one, so that the output is zero as soon as the fade is, for
+//      any slew.
 // Thermal: theta' = (|f|^2 - theta) / tau, a winding's temperature above ambient in N^2. L^2 goes from peak^2 at
 // theta <= F_c^2 / 2 down to F_c^2 at theta = F_c^2, hence theta never exceeds F_c^2: the mean square over tau stays
 // within the continuous rating, and a force within it is never cut. At F = 3 F_c from cold the cut begins after

@@ -1,5 +1,5 @@
-// Detects a device that was commanded to give force and does not. That is a fault at once, for any reason: when the
-// force came back it would be a step, because the coupling has moved meanwhile.
+// Detects a device that was commanded to exert force and does not. This is a fault at once, whatever the reason: if the
+// force returned later, it would return as a step, because the coupling's stretch has changed meanwhile.
 //
 // A device that has accepted a command with FORCE is in FORCE, or in BRAKE, which the input guard handles. The sequence
 // that it echoes shows which command it has. The first command of a sequence may only start the change, and the device

@@ -8,11 +8,11 @@
 // touches; a proxy that cannot move is a wall, see coupling_limits.h). The limit is found by a search over the
 // stiffness. The law of coupling_limits.h with this delay, (b + B) / (T/2 + t_d + r T), is sufficient but too strict:
 // the limit is 1.6 to 3.3 times as high (0.3 kg, B 1 to 20 N s/m, ratios 2 to 32), since the loop through the world
-// carries the difference of two positions, on which a delay has little effect at low frequencies. Not modelled, as in
-// coupling_limits.h: the hand, dry friction. Nor the coupling of rotation and translation by contacts off the centre.
-// kAllowedStiffnessShare of the limit is allowed, as for every coupling. Thread: [any], pure; takes some 10 ms at a
-// ratio of 10: for set-up. Units: SI; for rotation N m/rad and so on. Bound: a delay above kMaxDelayTicks is treated
-// as kMaxDelayTicks.
+// carries the difference of two positions, on which a delay has little effect at low frequencies. Not modelled: the
+// hand and dry friction, as in coupling_limits.h, and the coupling of rotation and translation by contacts off the
+// centre. kAllowedStiffnessShare of the limit is allowed, as for every coupling. Thread: [any], pure; takes some 10 ms
+// at a ratio of 10: for set-up. Units: SI; for rotation N m/rad and so on. Bound: a delay above kMaxDelayTicks is
+// treated as kMaxDelayTicks.
 #pragma once
 
 #include "rt/haptics/coupling_limits.h"
@@ -32,8 +32,8 @@ struct InterpolatedProxy {
 bool interpolation_is_stable(const AxisLimits& axis, const InterpolatedProxy& proxy, double stiffness,
                              double damping) noexcept;
 
-// Stiffness above which an oscillation may grow with this damping; at most uncoupled_stiffness_limit. 0: the damping
-// alone is unstable.
+// Stiffness [N/m, N m/rad] above which an oscillation may grow with this damping [N s/m, N m s/rad]; at most
+// uncoupled_stiffness_limit. 0: the damping alone is unstable.
 double interpolation_stiffness_limit(const AxisLimits& axis, const InterpolatedProxy& proxy, double damping) noexcept;
 
 }  // namespace tactus::haptics

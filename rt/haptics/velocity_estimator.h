@@ -50,7 +50,7 @@ struct VelocityEstimator {
   Config config;
   State state;
 
-  // Call once a tick, with the guarded pose.
+  // Call once a tick, with the guarded pose. Returns the tool's velocity [m/s, rad/s], device frame.
   Twistd update(const Posed& device_from_tool) noexcept;
   // Resets: the next pose starts at rest. Call after a rearm, where the pose may be anywhere.
   void reset() noexcept { state = State{}; }

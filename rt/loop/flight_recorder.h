@@ -19,7 +19,7 @@ enum RecordKind : std::uint32_t {
   kSnapshotRecord = 2,  // haptics::write_snapshot; adopted by the tick record that follows
   kTickRecord = 3,      // TickRecord
   kTimesRecord = 4,     // TickTimesRecord, of the tick record before it; measured, so a replay ignores it
-  kBodiesRecord = 5,    // BodiesRecord, then a BodyPose each: for watchers alone, never on a tape
+  kBodiesRecord = 5,    // BodiesRecord, then a BodyPose per body: for display only, never on a tape
 };
 
 struct TickRecord {
@@ -45,7 +45,7 @@ struct TickTimesRecord {
 };
 static_assert(std::is_trivially_copyable_v<TickTimesRecord> && sizeof(TickTimesRecord) == 32);
 
-// The members' poses, for who watches a run with the direct coupling, which has no global world.
+// The members' poses, for programs that display a run with the direct coupling, which has no global world.
 struct BodiesRecord {
   std::uint64_t tick{0};  // ticks done
   std::uint32_t bodies{0};
@@ -68,7 +68,8 @@ class FlightRecorder {
   void after_tick(const TickInput& in, const TickOutput& out) noexcept TACTUS_NONBLOCKING;
   void times(const TickTimesRecord& times) noexcept TACTUS_NONBLOCKING;
 
-  // [setup] Records the members' poses every kBodiesTicks while `watchers` is not 0. It must outlive the recorder.
+  // [setup] Records the members' poses every kBodiesTicks ticks while `watchers`, the number of displaying programs, is
+  // not 0. `watchers` must outlive the recorder.
   void show_bodies(const std::atomic<std::uint32_t>& watchers) noexcept { watchers_ = &watchers; }
 
   Ring& ring() noexcept { return ring_; }

@@ -47,7 +47,7 @@ class HapticDriver {
     if (recorder_ != nullptr) recorder_->times(times);
   }
 
-  // What the last tick leaves for the next; no pointer.
+  // The values of the last tick on which the next one depends. Contains no pointer.
   struct State {
     haptics::DeviceInput device;
     TickOutput output;

@@ -10,8 +10,9 @@ namespace {
 constexpr double kMotionInPass = 0.25;
 constexpr double kShortestPass = 1e-3;  // s
 
-// Largest motion of a round body along its contact in a macro step [m]. A point carried along by d is wrong by
-// d^2 / 2 r; as long as this is within the slop, the body neither sinks nor is pushed out.
+// Largest motion of a round body along its contact in a macro step [m]. When the contact point moves by d along the
+// surface, the error of its gap is d^2 / (2 r); as long as this is within the slop, the body neither sinks nor is
+// pushed out.
 double most_along_contact(double radius, const StepSettings& settings) noexcept {
   return std::sqrt(2.0 * settings.slop * radius);
 }
@@ -47,7 +48,7 @@ std::uint32_t macro_steps_of(const World& world, const StepSettings& settings,
     count(settings.dt * std::max(norm(v.linear), norm(v.angular) * shape.radius),
           most_along_contact(shape.radius, settings));
   };
-  // A body that slides over a fixed round one: its contact goes around that one, as far as the body moves there.
+  // A body that slides over a fixed round shape: the contact point moves around that shape by up to the body's motion.
   const auto slide = [&](const Contact& contact) noexcept {
     const Body &body = bodies[contact.slot_a], &fixed = world.fixed_bodies()[contact.slot_b];
     const Shape& shape = part_shape(fixed.shape, contact.key.part_of(fixed.id), world.shapes().compounds);

@@ -70,7 +70,8 @@ std::string_view tape_isa_tag() noexcept {
 
 namespace {
 
-// A file that begins as no tape is a person's: a scene, for example. An empty one is anybody's.
+// True if a regular file has content that does not begin with the tape's magic. It may be a user's file, such as a
+// scene, and must not be overwritten; an empty file may.
 bool is_other_file(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
@@ -82,13 +83,13 @@ bool is_other_file(const std::string& path) {
   return size > 0 && !std::equal(found.begin(), found.begin() + size, kTapeMagic.begin());
 }
 
-// Locks a regular file until it is closed, and empties it. False: another writer has it. A file system without locks
-// takes all.
+// Locks a regular file until it is closed, and empties it. False: another writer has the lock. On a file system without
+// locks no writer is refused.
 bool take_for_writing(int file) {
   struct stat status {};
   if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return true;
   if (::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
-  (void)!::ftruncate(file, 0);  // what cannot be written is said by the first write
+  (void)!::ftruncate(file, 0);  // unchecked: the first write reports a file that is not writable
   return true;
 }
 

@@ -24,8 +24,8 @@
 
 namespace tactus::loop {
 
-// Sees every record that the drain takes, before the tape. Called by the thread that drains; the payload is valid
-// during the call. Null: none.
+// A callback for every record that the drain takes from the ring, before it goes to the tape. The draining thread calls
+// it; the payload is valid during the call. Null: no callback.
 struct RecordTap {
   void (*taken)(void* context, std::uint32_t kind, std::span<const std::byte> payload) noexcept {nullptr};
   void* context{nullptr};

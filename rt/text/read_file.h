@@ -1,5 +1,5 @@
-// Reads a file, up to a limit. A read that fails does not throw, as it does with std::istreambuf_iterator: the files of
-// /proc fail when their process or thread has ended meanwhile. Thread: [setup].
+// Reads a file, up to a limit. A failed read returns an empty result; with std::istreambuf_iterator it would throw.
+// Reads from /proc fail when the process or thread has ended meanwhile. Thread: [setup].
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace tactus::text {
 
-// The file's bytes; of a file above the limit limit + 1 of them, so that the caller can refuse it. Empty: it cannot be
-// read, or is a folder.
+// Returns the file's bytes, or the first `limit_bytes` + 1 bytes of a larger file, so that the caller can refuse it.
+// Empty: the file cannot be read, or is a folder.
 std::optional<std::string> read_file(const std::filesystem::path& path, std::size_t limit_bytes);
 
 }  // namespace tactus::text

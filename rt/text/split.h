@@ -1,4 +1,4 @@
-// A list in one word, such as "can0,can1", taken apart. Thread: [setup]; allocates.
+// Splits a list in one word, such as "can0,can1", into its parts. Thread: [setup]; allocates.
 #pragma once
 
 #include <string>

@@ -94,7 +94,8 @@ std::string_view line_of(std::string_view text, unsigned number) {
 
 constexpr const char* kValues = "a number such as 0.5, true or false, text in quotes, or a list [1, 2, 3]";
 
-// The mistake in words of TOML's user, for a parser's description that speaks of its own state; else empty.
+// Translates a parser's error description that refers to the parser's internal state into the terms of a TOML user.
+// Empty: the description can be shown as it is.
 std::optional<Mistake> plain_words(std::string_view description, std::string_view line,
                                    const toml::source_position& at) {
   const auto says = [description](std::string_view words) { return description.find(words) != description.npos; };

@@ -1,4 +1,5 @@
-// What a file's name or key may hold and a terminal would obey. Thread: any. Bound: the text.
+// Replaces control characters in a text for messages: a file's name or key may contain them, and a terminal would
+// execute them. Thread: any. Bound: the text.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 
 namespace tactus::text {
 
-// Control characters as '?', but `kept`.
+// Replaces every control character except `kept` by '?'.
 inline std::string without_control(std::string text, char kept = '?') {
   const auto is_control = [kept](char c) { return (static_cast<unsigned char>(c) < 32 || c == 127) && c != kept; };
   std::replace_if(text.begin(), text.end(), is_control, '?');

@@ -1,10 +1,10 @@
 // The schedule of a periodic loop: absolute deadlines, one tick per deadline; deadlines that an overrun missed are
 // skipped.
 //
-// They are never caught up in a burst: a device that got no command for three periods gains nothing from three at once,
-// and physics that runs three steps at once feeds energy to the hand. Thread: [rt], the loop's own; blocks in
-// Clock::sleep_until_ns only. Bound: runs until `stop` is set or the tick returns false; ends within one period of
-// either.
+// Missed deadlines are never made up for by several ticks at once: a device that received no command for three periods
+// gains nothing from three commands at once, and three steps of the physics at once would supply energy to the hand.
+// Thread: [rt], the loop's own; blocks in Clock::sleep_until_ns only. Bound: runs until `stop` is set or the tick
+// returns false; ends within one period of either.
 #pragma once
 
 #include <atomic>

@@ -80,7 +80,6 @@ SetupReport setup_realtime(const SetupRequest& request, CpuAwake& awake) noexcep
 // True if the calling thread's effective set contains `capability` (CAP_... of linux/capability.h).
 bool has_capability(unsigned capability) noexcept;
 
-// True on a PREEMPT_RT kernel.
 bool kernel_is_preempt_rt() noexcept;
 
 static_assert(std::is_trivially_copyable_v<SetupReport>);

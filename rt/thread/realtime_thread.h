@@ -1,4 +1,5 @@
-// A thread with the real-time set-up of realtime_setup.h. A loop, or the far end of a link, runs on it.
+// A thread with the real-time set-up of realtime_setup.h. The periodic loop uses it, and so do the threads of device
+// links (hal/).
 //
 // start() returns when the thread's set-up is done and reported; then body(context) runs there, once. Signals are
 // blocked in the thread, so the main thread receives them. Thread: start(), join(), report() [setup] by the owner;

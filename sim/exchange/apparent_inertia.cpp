@@ -13,7 +13,8 @@ using physics::JointKind;
 using physics::JointState;
 
 constexpr std::uint32_t kNone = physics::kNoSlot;
-// Friction over its limit, 0 to 1: above this ratio a contact counts as sliding, a motor as overcome.
+// Ratio of the friction force to its limit, or of a motor's effort to its largest effort, 0 to 1: from this ratio on a
+// contact counts as sliding, a motor as overcome.
 constexpr double kSticks = 0.95;
 
 // Cholesky factorisation K = L L^T, in place, L in the lower triangle. False if K is not positive definite.

@@ -11,16 +11,17 @@
 //
 // The step is applied to the deviation from the mean motion of the last two steps; the mean motion continues:
 //   u = v_mean + W M (v_end - v_mean)
-// A body that creeps or settles under a constant load does so without momentum, and continues. A body that trembles on
-// firm ground ends a step with an arbitrary velocity, which is dropped since W M is near 0. A free body continues at
-// v_end, since W M is 1. Simpler predictions are worse: with v_end alone a stack sways increasingly (hard case 32: in
-// antiphase from cycle to cycle); W M v_end stops creep (the pushed row of `experiment energy-loss` is then off by
-// 1.8 % instead of 0.6 %, the pile by 2.0 instead of 0.5 %).
+// A body that creeps or settles under a constant load does so without momentum, and continues. The velocity of a body
+// at rest on firm ground fluctuates within a step, so its value at the end is arbitrary; it has no effect since W M is
+// near 0. A free body continues at v_end, since W M is 1. Simpler predictions are worse: with v_end alone a stack sways
+// increasingly (hard case 32: in antiphase from cycle to cycle); W M v_end stops creep (the pushed row of
+// `experiment energy-loss` is then off by 1.8 % instead of 0.6 %, the pile by 2.0 instead of 0.5 %).
 //
 // Why two steps: a column of members on a column of outside bodies has modes whose period is about two cycles. In such
-// a mode the mean over one step points against the motion to come, and feeds it; the mean over two steps is zero there.
-// Largest root of the linear loop (tests/border/stack_roots.py: 20 cubes, 10 of them members, ratio 3, 4, 5, 6 and 8):
-// over one step -1.04, -1.29, -1.07, -0.89, 0.61; over two steps 0.75, 0.79, 0.65, 0.58, 0.57.
+// a mode the mean over one step is opposite to the motion of the next step, so the prediction amplifies the mode; the
+// mean over two steps is zero. Largest root of the linear loop (tests/border/stack_roots.py: 20 cubes, 10 of them
+// members, ratio 3, 4, 5, 6 and 8): over one step -1.04, -1.29, -1.07, -0.89, 0.61; over two steps 0.75, 0.79, 0.65,
+// 0.58, 0.57.
 //
 // Measured range of a2, on hard case 32 where it is 3,500: at rest with 200 to 10,000. With 100,000 it sways: such
 // stiff contacts make ghosts that keep an instantaneous velocity and that no impulse changes.

@@ -44,7 +44,8 @@ void take_back(const Contact& contact, physics::SlotIndex outside, physics::Worl
 }
 
 // A smooth acceleration over the step is extrapolated: the body slides to rest or is pushed. If the velocity changed by
-// more than this fraction in the step, the body trembles or had an impact, and nothing is extrapolated.
+// more than this fraction in the step, the velocity fluctuates within the step or the body had an impact, and nothing
+// is extrapolated.
 constexpr double kEven = 0.5;
 
 // Acceleration expected over the next step [m/s^2]; a deceleration at most stops the body within that step.
@@ -103,8 +104,8 @@ BorderPoint border_point(const Contact& contact, const physics::ContactPoint& po
   result.friction = contact.friction;
   result.outside_point = outside.body.motion.pose * anchor + to_centre;
   result.separation_m = point.separation;
-  // The mean over the step, not the velocity at its end: a constrained body trembles within a step, and a member that
-  // followed one instant's velocity for a whole cycle would be thrown.
+  // The mean over the step, not the velocity at its end: the velocity of a constrained body fluctuates within a step,
+  // and a member that followed its value at one instant for a whole cycle would be thrown.
   result.outside_velocity = (outside.body.motion.pose * anchor - outside.start * anchor) * (1.0 / step_s);
   if (result.outside_round_m > 0.0) {
     const Quatd turned = outside.body.motion.pose.rotation * conjugate(outside.start.rotation);

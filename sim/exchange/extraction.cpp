@@ -118,7 +118,7 @@ void Extraction::take(std::uint32_t cap, const ContactGraph& graph, BodySpan<con
   std::uint32_t stay = 0;
   for (const Candidate& candidate : candidates_) {
     if (chosen_.size() == cap) break;
-    if (member_[candidate.index] != 0) continue;  // brought along by a joint
+    if (member_[candidate.index] != 0) continue;  // already chosen because of a joint
     if (!candidate.current) {
       const bool may_join = first_ || candidate.priority <= Priority::kClose || statistics_.joins < options_.max_joins;
       if (!may_join) continue;

@@ -4,11 +4,11 @@
 // proxy, by influence (or by hops, as the paper may have meant); former members that qualified until a few cycles ago.
 // Hysteresis: a present member's influence counts double (its hops one less), and a member that no longer qualifies
 // stays for linger_cycles while the cap allows. Members that no longer qualify and touch each other leave together, so
-// that no border runs between bodies that collide: there the force of an impact is the least exact. Each chosen body
-// brings along the bodies that joints connect to it. Few bodies join per cycle, so that the tick that imports them
-// stays short; only bodies in the cube and joined bodies may exceed max_joins. So the sub-world grows over several
-// cycles, as in the paper. Thread: the global world's; construction [setup]. Units: SI. Bound: the cap, never exceeded;
-// bodies left out are counted. Ties by index, which is by body id. Source: the paper, section 2; influence in
+// that the border does not separate bodies that collide: at the border the force of an impact is the least exact. With
+// each chosen body, the bodies that joints connect to it are chosen. Few bodies join per cycle, so that the tick that
+// imports them stays short; only bodies in the cube and joined bodies may exceed max_joins. So the sub-world grows over
+// several cycles, as in the paper. Thread: the global world's; construction [setup]. Units: SI. Bound: the cap, never
+// exceeded; bodies left out are counted. Ties by index, which is by body id. Source: the paper, section 2; influence in
 // sim/exchange/influence.h.
 #pragma once
 
@@ -46,8 +46,8 @@ class Extraction {
              BodyIndex proxy, std::uint32_t max_touches);
 
   // Chooses the next members, ascending. `world_from_proxy`: centre of the cube. `budget` may lower the cap.
-  // `free`: 1 for bodies that may be members (empty: all); a member that may not leaves at once. `awake`: the bodies to
-  // test for the cube (empty: all). The first call is not limited by max_joins. Valid until the next call.
+  // `free`: 1 for bodies that may be members (empty: all); a member with 0 leaves at once. `awake`: the bodies to test
+  // for the cube (empty: all). The first call is not limited by max_joins. Valid until the next call.
   std::span<const BodyIndex> choose(BodySpan<const physics::Body> bodies, ContactGraph& graph,
                                     const Posed& world_from_proxy, std::uint32_t budget,
                                     BodySpan<const std::uint8_t> free = {},

@@ -19,7 +19,8 @@ using physics::kMaxHullVertices;
 
 // Points closer to a face's plane than this fraction of the size lie on it: about the error of single precision.
 constexpr double kFlatShare = 1e-6;
-// After points are merged away, the hull of the remaining points may merge again: at most so many times.
+// Maximum number of hulls computed for one set of points: the hull of the points that remain after a merge may merge
+// more of them.
 constexpr int kMaxRounds = 8;
 
 struct Surface {

@@ -76,7 +76,8 @@ Bodies make_pile(const PileSpec& spec) {
   const unsigned per_layer = columns * rows;
   for (unsigned n = 0; n < spec.count; ++n) {
     const unsigned layer = n / per_layer, i = n % per_layer % columns, j = n % per_layer / columns;
-    // Every two layers move on by one corner of a square: each shift is along one axis, x and y in turn.
+    // The layers are shifted to the corners of a square, to the next corner after every two layers: each shift is along
+    // one axis, x and y in turn.
     const unsigned corner = layer / 2 % 4;
     const double sx = corner == 1 || corner == 2 ? 0.5 : -0.5, sy = corner >= 2 ? 0.5 : -0.5;
     const double x = (i + 0.5) * pitch - 0.5 * columns * pitch + sx * shift + max_offset * random.symmetric();

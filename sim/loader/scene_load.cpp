@@ -158,7 +158,7 @@ class SceneReader {
                  hand == 0 ? scene_.proxy : scene_.more_hands[hand - 1].proxy);
   }
 
-  // A hand each.
+  // Reads the proxies. Each table makes one hand.
   void read_proxies() {
     if (!root_.require("proxy", "a table [proxy]: the body that the device holds")) return;
     bool first = true;

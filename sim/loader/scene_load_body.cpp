@@ -70,7 +70,7 @@ std::optional<SymMat3d> read_inertia(text::TableReader& table) {
   return std::nullopt;
 }
 
-// What a fixed body lacks.
+// Adds a mistake for each key of mass or velocity: a fixed body has neither.
 void refuse_mass_and_motion(text::TableReader& table, const char* what, const char* accepted) {
   for (const char* key :
        {"mass_kg", "density_kg_per_m3", kInertia, kCentre, "velocity_m_per_s", "angular_velocity_rad_per_s"})
@@ -132,7 +132,8 @@ std::optional<ReadShape> BodyReader::read_shape(text::TableReader& table, const 
   return ReadShape{Shape::mesh(meshes_.mesh(made->index).half_extents, made->index), made->given_from_body};
 }
 
-// Sets what the body has instead of a homogeneous solid's mass properties; a hull then becomes one with these.
+// Replaces the mass properties of a homogeneous solid by the moments of inertia and the centre of mass in the table, if
+// there are any. A hull is replaced by an entry with these properties.
 void BodyReader::read_mass_properties(text::TableReader& table, const ReadShape& known, Body& body) {
   const auto inertia = read_inertia(table);
   if (!known.hull) {
@@ -259,7 +260,7 @@ void BodyReader::share_mass(text::TableReader& table, MassFrom mass_from, std::v
   }
 }
 
-// Bodies that are alike share a compound.
+// Returns the shape of a compound that the scene already has, if parts and inertia are equal; else of a new one.
 Shape BodyReader::add_compound(const BuiltCompound& built) {
   const auto is_same = [&](const physics::Compound& other) {
     return other.inertia_per_kg == built.compound.inertia_per_kg &&

@@ -126,7 +126,7 @@ struct MeshAccount {
   unsigned boundary_edges{0};                     // edges of one triangle only: the mesh is open there
 };
 
-// What a hand holds and is held by, with the body that is its proxy.
+// One hand of a scene: its proxy, the placement of its device, its coupling and its script.
 struct HandPart {
   BodyId proxy{kNoBody};
   DevicePlacement device;
@@ -167,8 +167,9 @@ struct Scene {
   unsigned hands() const noexcept { return 1 + static_cast<unsigned>(more_hands.size()); }
 };
 
-// The scene as one hand has it: `proxy`, `device`, `coupling` and `hand` are that hand's, and `more_hands` holds the
-// others, so that everything for one hand serves each of several. hand: 0 to hands() - 1; 0 gives the scene itself.
+// Returns the scene with the chosen hand as its first: `proxy`, `device`, `coupling` and `hand` are that hand's, and
+// `more_hands` has the others. So code that handles one hand can be used for each of several. `hand`: 0 to hands() - 1;
+// for 0 the scene is unchanged.
 Scene scene_of_hand(Scene scene, unsigned hand);
 
 }  // namespace tactus::sim

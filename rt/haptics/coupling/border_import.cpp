@@ -7,7 +7,7 @@ using physics::BorderContact;
 using physics::BorderGhost;
 
 // Window, in contacts, in which a border contact's predecessor is searched. A contact whose predecessor is outside of
-// it starts cold, which costs a sweep.
+// the window starts with zero impulses, which costs a sweep.
 constexpr std::uint32_t kSearchWindow = 32;
 
 // Adds a ghost for each outside body, with the motion at the end of the global step.
@@ -45,7 +45,8 @@ bool is_same_point(const BorderContact& p, const BorderContact& q) noexcept {
   return p.member == q.member && p.outside == q.outside && p.feature == q.feature && p.parts == q.parts;
 }
 
-// Both lists are in the global world's order, so the search starts at `hint`, behind the last match.
+// Copies the impulses that the same point had before the synchronisation. Both lists are in the global world's order,
+// so the search starts at `hint`, the entry after the last match.
 void warm_start(std::span<const BorderContact> former, std::uint32_t& hint, BorderContact& contact) noexcept {
   const auto count = static_cast<std::uint32_t>(former.size());
   for (std::uint32_t i = 0; i < std::min(kSearchWindow, count); ++i) {

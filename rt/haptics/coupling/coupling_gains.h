@@ -31,7 +31,8 @@ struct CouplingGains {
   friend constexpr bool operator==(const CouplingGains&, const CouplingGains&) noexcept = default;
 };
 
-// Explicit coupling wrench on the proxy, for a proxy whose spring no world solves.
+// Explicit coupling wrench on the proxy [N, N m, world, about its centre], for a proxy whose spring no world solves
+// implicitly.
 inline Wrenchd coupling_wrench(const CouplingGains& gains, const DeviceTarget& device,
                                const physics::BodyMotion& proxy) noexcept {
   const Vec3d stretch = device.pose.position - proxy.pose.position;

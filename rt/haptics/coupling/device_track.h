@@ -33,7 +33,8 @@ struct DeviceTrack {
 
 static_assert(std::is_trivially_copyable_v<DeviceTrack>);
 
-// Velocity that moves `from` to `to` in `time_s`; angular: about the centre.
+// Constant velocity [m/s, rad/s] that moves `from` to `to` in `time_s`, in the frame of the poses; angular: about the
+// centre.
 inline Twistd mean_velocity(const Posed& from, const Posed& to, double time_s) noexcept {
   return {(to.position - from.position) * (1 / time_s),
           small_rotation_vector(to.rotation * conjugate(from.rotation)) * (1 / time_s)};

@@ -50,8 +50,9 @@ inline constexpr double kNoDirection = 1e-12;
 // um), an overlap that is not corrected anyway.
 inline constexpr double kFlatTolerance = 1e-5;
 
-// Overlap or gap of two surfaces that counts as flush [m]: what slides past there passes over the other. A resting
-// contact is a few um deep, and one so shallow is no step that stops a body.
+// Overlap or gap of two surfaces up to which they count as flush [m]: a body that slides along one passes over the
+// other, without a contact with its edge. A resting contact is a few um deep, and an edge that is higher by so little
+// must not stop a body.
 inline constexpr double kFlush = 1e-4;
 
 // --- features and axes of boxes and hulls

@@ -228,12 +228,12 @@ void add_edge_contact(const BoxPair& boxes, int code, const Vec3d& n, double sep
 }
 
 // The face that the other box passes over, or 0: the boxes are apart by `gap`, the largest over all axes, and the other
-// box is flush with that face, within 2 % of the thinner half extent. A contact in front of the face would stop a box
-// that slides from one table onto the next, where it is lower by what it sinks into the first. If it does not pass, the
-// boxes overlap in the next step by what they move in one.
+// box is flush with that face, within 2 % of the thinner half extent. A contact with the edge of that face would stop a
+// box that slides from one table onto the next: the box is lower than the next table by its overlap with the first. If
+// the box does not pass over the face, the two boxes overlap in the next step, by at most their motion in one step.
 int flush_face(const BoxPair& boxes, const AxisTest& test, double gap) noexcept {
   constexpr double kFlushShare = 0.02;
-  constexpr double kAcross = 0.5;  // cosine: the face is none that looks along the axis of the gap
+  constexpr double kAcross = 0.5;  // cosine: excludes faces whose normal is along the axis of the gap
   if (!(gap > kFlatTolerance)) return 0;
   const Vec3d n = gap > test.face[test.widest - 1] ? direction_or(edge_axis(boxes, test.edge), boxes.axis_a[0])
                                                    : face_axis(boxes, test.widest);

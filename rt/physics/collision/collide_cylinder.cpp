@@ -14,7 +14,8 @@ bool is_round_hull(const Shape& shape) noexcept {
   return shape.kind == ShapeKind::kCylinder || shape.kind == ShapeKind::kCone;
 }
 
-// Bodies are compared a little smaller than they are, so that those that touch are apart and have a direction.
+// Scale of cylinders and cones in the search of the direction: bodies that touch are then apart, so that the shortest
+// vector between them is not zero.
 constexpr double kSmaller = 0.9;
 
 // A convex shape without its rounding, for the search of the direction from A to B. Frame: world, origin at the centre
@@ -43,7 +44,7 @@ struct Core {
   }
 };
 
-// The shortest way from A to B; where they overlap, from centre to centre. Of any length.
+// The direction of the shortest vector from A to B; if they overlap, from centre to centre. Of any length.
 // Source: Gilbert, Johnson and Keerthi 1988.
 Vec3d direction_between(const Core& a, const Core& b) noexcept {
   constexpr double kProgress = 1e-12;  // of the squared distance: far above rounding
@@ -102,9 +103,9 @@ struct RoundPair {
 
 constexpr int kTurns = 2;
 
-// Moves points on the facet of a round body to its middle, where the body itself is touched: the edges are up to
-// radius * kFacet beside it, and a body would drive itself away on one of them, or be braked by two. `self`: from that
-// body's centre.
+// Moves points on the facet of a round body to the facet's middle line, where the exact surface is touched. The edges
+// are up to radius * kFacet beside that line: a normal force on one edge would have a moment about the axis and
+// accelerate the body, forces on both edges would brake it. `self`: the member that is relative to that body's centre.
 void centre_on_facet(const Quatd& rotation, const Alignment& alignment, double radius, Vec3d ManifoldPoint::*self,
                      Manifold& manifold) noexcept {
   const Vec3d across = rotate(rotation, Vec3d{-alignment.y, alignment.x, 0.0});
@@ -117,7 +118,7 @@ void centre_on_facet(const Quatd& rotation, const Alignment& alignment, double r
   }
 }
 
-// Of points that are the same now, keeps the deepest.
+// Merges points that coincide now into one, with the least of their separations.
 void merge_points(Manifold& manifold) noexcept {
   constexpr double kSame = 1e-7;  // m
   std::uint32_t kept = 0;
@@ -138,9 +139,10 @@ double least_separation(const Manifold& manifold) noexcept {
   return least;
 }
 
-// First along the shortest way between the bodies, then along the normal that was found, while that is nearer: polygons
-// are inside the bodies, so the nearest result is the best one.
-// The first search has a wider margin, because a rim that is not turned yet may be that much nearer.
+// Collides polygons that are turned to each other: first along `to_b`, then along the normal that was found, as long as
+// the separation decreases. The polygons are inside the bodies, so the result with the least separation is the most
+// exact one.
+// The margin is wider by `error`, because a rim may be nearer by that than its polygon that is not turned yet.
 void collide_turned(const PairView& pair, const HullView* hull_a, const Vec3d& to_b, Manifold& manifold,
                     AxisCache& cache) noexcept {
   const double error =

@@ -294,7 +294,7 @@ class HullOnPatch {
     const HullPolygon below = clip_below(at, face);
     const Vec3d up = -to_mesh(hull_.normal(face));
     Ruling ruling = rule_lowest(triangle, at, below, up);
-    if (flush && ruling != Ruling::kAllowed) ruling = rule_support(triangle, at, up);  // what it will pass over
+    if (flush && ruling != Ruling::kAllowed) ruling = rule_support(triangle, at, up);  // the part the hull passes over
     if (ruling == Ruling::kAllowed) note_hull_face(triangle, below, face);
     if (by_hull) return ruling;
     return ruling == Ruling::kFace ? Ruling::kFace : Ruling::kAllowed;  // a neighbour's rim: no point for this face

@@ -99,7 +99,8 @@ void ContactTable::clear_pairs() noexcept {
 }
 
 // When the list is full, the pairs form a heap with the next to be dropped on top: the pair of moving bodies with the
-// highest key, and pairs with fixed bodies last, so that nothing falls through the ground while others are crowded.
+// highest key. Pairs with fixed bodies are dropped last, so that no body falls through the ground because other bodies
+// are crowded.
 void ContactTable::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch) noexcept {
   const Pair pair{key, a, b, patch};
   if (pairs_.try_push(pair)) return;

@@ -5,10 +5,10 @@
 // contact's normal (motion_bound.h). Two shortcuts save most of the work when little moves. A pair of boxes or hulls
 // that was separated is not tested again until its bodies have moved against each other by the gap; that is exact, so
 // it never changes a result and is not part of the state. A contact of boxes or hulls whose bodies have hardly moved is
-// carried over (contact_reference.h); that is part of the state. Pairs without points leave no trace, so extra pairs do
-// not change the bits. Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world. Units: SI.
-// Bound: `Capacities::pairs` pairs (those with fixed bodies and the lowest keys stay) and `Capacities::contacts`
-// contacts (the deepest stay, ties by lower key); what did not fit is counted.
+// carried over (contact_reference.h); that is part of the state. Pairs without points do not affect the state, so extra
+// pairs do not change the bits. Thread: construction [setup]; the rest [rt], by the owner of the World. Frame: world.
+// Units: SI. Bound: `Capacities::pairs` pairs (those with fixed bodies and the lowest keys stay) and
+// `Capacities::contacts` contacts (the deepest stay, ties by lower key); what did not fit is counted.
 #pragma once
 
 #include <span>

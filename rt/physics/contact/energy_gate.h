@@ -4,9 +4,9 @@
 // corrections travel through a stack; the rest pushes the bodies apart. With d the change of velocity by an island's
 // impulses, its energy changes by v.M.d + d.M.d / 2, v before it. If that is positive, and most of d.M.d belongs to
 // bodies with an impact, the island's impulses are scaled to where the energy is smallest. So a large heap on which one
-// body falls keeps the warm start that carries it. Sweeps follow: where a warm start rightly adds energy (a moving
-// kinematic body) only the quality of the warm start is lost. Island: bodies linked by rows between moving bodies;
-// recomputed in each step that needs it.
+// body falls keeps the warm start that supports its weight. Where a warm start rightly adds energy (a moving kinematic
+// body), the scaling makes only the warm start worse, because sweeps follow. Island: bodies linked by rows between
+// moving bodies; recomputed in each step that needs it.
 // Frame: world. Units: SI. Thread: construction [setup]; the rest [rt]. Bound: linear in bodies and rows.
 #pragma once
 

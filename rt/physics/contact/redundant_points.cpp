@@ -53,12 +53,14 @@ void mark_inner_faces(const TouchingBodies& bodies, double slop, std::span<Conta
   }
 }
 
-// rad: normals that differ by less are of one face: carried-over contacts keep their normals while the bodies tilt, and
-// the others have that of either body's face. Gaps are compared all the same. Measured range (2026-11-27): stacks of
-// eight blocks of 2 to 16 slices come to rest alike from 0.001 to 0.1; at 7e-5 blocks of 3 to 8 slices shake.
+// Angle between two normals [rad] below which they count as normals of one face: a carried-over contact keeps its
+// normal while the bodies tilt, and a recomputed one has the normal of either body's face. The gaps are compared in any
+// case. Measured range (2026-11-27): stacks of eight blocks of 2 to 16 slices come to rest alike from 0.001 to 0.1; at
+// 7e-5 blocks of 3 to 8 slices vibrate.
 constexpr double kMostTilt = 0.01;
 
-// A contact point in a plane along the tangents, and what must be linear there. m.
+// A contact point: x and y along the tangents of the contact plane, and the two quantities that must be linear in x and
+// y, the height along the normal and the gap. All in m.
 struct Place {
   double x, y, height, gap;
   ContactPoint* point;
@@ -71,7 +73,8 @@ double distance_squared(const Place& p, const Place& q) noexcept {
   return (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y);
 }
 
-// The weights of three corners add up to 1. True if the gap at p is no less, and the height the same.
+// True if, within the slop, the gap at p is no less than the weighted mean of the corners' gaps, and its height equal
+// to that of their heights. The weights add up to 1.
 bool follows(const Place& p, const Place (&corner)[3], const double (&weight)[3], double slop) noexcept {
   double gap = 0.0, height = 0.0;
   for (int i = 0; i < 3; ++i) {

@@ -8,10 +8,10 @@
 
 namespace tactus::physics {
 
-// True for the side and the rim of a cylinder or a cone; not for its flat end, on which it tilts as a box does: there
-// the normal is within 45 degrees of the axis. A part of a compound counts if the body's centre is nearer to the part's
-// axis than its surface is: in a turn by t one rule is wrong by (distance) (1 - cos t), the other by
-// (radius) (1 - cos t).
+// True if a cylinder or a cone is touched on its side or rim; false on its flat end, where the normal is within 45
+// degrees of the axis and the body tilts as a box does. A part of a compound counts if the distance of its axis from
+// the body's centre is below its radius: in a rotation by t the gap is wrong by (distance) (1 - cos t) if it rolls, and
+// by (radius) (1 - cos t) if its points are fixed to the body.
 inline bool touches_on_side(const Body& body, std::uint32_t part, Compounds compounds, const Vec3d& normal) noexcept {
   const ShapeKind kind = part_shape(body.shape, part, compounds).kind;
   if (kind != ShapeKind::kCylinder && kind != ShapeKind::kCone) return false;

@@ -1,12 +1,13 @@
 // The compliance of a contact: an implicit spring and damper, given by frequency and damping ratio.
 //
-// Exactly implicit Euler of a spring k = m w^2 and damper c = 2 z m w on the row's effective mass m, so a load F sinks
-// by F / (m w^2). Stable and accurate for hertz <= 0.25 / h. Source: Catto, soft constraints. Thread: [any].
+// Equal to implicit Euler of a spring k = m w^2 and damper c = 2 z m w on the row's effective mass m (w = 2 pi hertz,
+// z: damping ratio). So a constant load F causes the overlap F / (m w^2). Stable and accurate for hertz <= 0.25 / h.
+// Source: Catto, soft constraints. Thread: [any].
 //
-// Several contacts of the same two bodies (compounds touch by several parts) are springs side by side: with as many
-// points as n contacts have, they have k / n and c / n each, so that together they are as stiff as one and as far from
-// the bound above. In the formulas below that is a2 / n; bias_rate stays as it is. With the whole k each, stacks of
-// eight compounds of two halves shook at 40 mm/s (2026-11-26).
+// Several contacts of the same two bodies (compounds touch by several parts) are springs in parallel. If they have as
+// many points as n full contacts, each has k / n and c / n, so that together they are as stiff as one contact and as
+// far from the bound above. In the formulas below a2 becomes a2 / n; bias_rate does not change. With k for each
+// contact, stacks of eight compounds of two halves vibrated at 40 mm/s (2026-11-26).
 //
 // How many relax sweeps a stack needs to come to rest: Gauss-Seidel sweeps hardly correct the sway of a tall stack, so
 // its impulses lag. A sweep adds -m u to an impulse; the biased sweep also adds -m b s and removes the share

@@ -5,12 +5,11 @@
 // Rolling: the pressure acts at a distance d ahead of the centre and resists rolling by N d. Each is a row that
 // stops the relative rotation, clamped to that torque, N the normal force in the step before; without friction there is
 // no torsional row. R and d are the larger of the two bodies'. Solved in both sweeps, at velocity level, so that
-// kinetic energy only falls. A contact of
-// several points resists rotation by their distance; only points in one line, as of a cylinder, leave the rotation
-// about it free: that is resisted as rolling, N the sum over the points. Points within d of the line are in it: the
-// pressure moves so far. Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: linear
-// in contacts of bodies with R or d. Source: Coulomb friction under even pressure; rolling resistance, Johnson, Contact
-// Mechanics.
+// kinetic energy only falls. The points of a contact resist rotation by their distances from each other. Only if all
+// are on one line, as those of a cylinder, is the rotation about that line free: it gets a rolling row, N summed over
+// the points. Points within d of the line count as on it, because the pressure may move by d. Units: SI. Thread:
+// construction [setup]; the rest [rt], the owner of the World. Bound: linear in contacts of bodies with R or d. Source:
+// Coulomb friction under even pressure; rolling resistance, Johnson, Contact Mechanics.
 #pragma once
 
 #include "rt/physics/effects/stage.h"

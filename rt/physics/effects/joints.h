@@ -13,7 +13,7 @@
 // ghost of large apparent inertia makes the joint up to twice as stiff as in the global world: a hanging body is lifted
 // by half of its sag in each cycle and returned at each synchronisation (tests/border/hanging.toml: 2.7 um of 6), and a
 // load held by friction slips.
-// Source: Catto, soft constraints; block rows as in his Box2D.
+// Source: Catto, soft constraints; block rows as in Box2D.
 // Frame: world. Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: linear in the
 // joints of the bodies in this world, x log bodies.
 #pragma once

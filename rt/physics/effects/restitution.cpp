@@ -11,7 +11,8 @@ namespace {
 // A box that lands on a face bounces on four points at once: after these passes they have converged to a few per cent.
 constexpr int kPasses = 8;
 
-// The gap at the point after the bodies' motion since the start of the step [m]. Of a round side, the centre moves.
+// The gap at the point after the bodies' motion since the start of the step [m]. On a round side it follows the motion
+// of the ball's centre, not that of the point.
 double gap_now(const StageContext& c, const Contact& contact, std::uint32_t point) noexcept {
   const auto shift = [&](std::uint32_t slot, const Vec3d& arm) noexcept {
     const SolverBody<double>& body = c.motion[slot];
@@ -116,7 +117,7 @@ bool Restitution::bounce_off(StageContext& c, const Group& group) noexcept {
       push_apart(c, contact, strike.point, next - strike.impulse);
       strike.impulse = next;
     }
-  // Energy gained by the bodies: impulse times mean speed.
+  // The bodies gain the energy impulse times mean separating speed, here (went - came) / 2.
   double came = 0.0, went = 0.0;
   for (const Strike& strike : strikes) {
     came += strike.impulse * strike.speed;

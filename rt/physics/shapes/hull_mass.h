@@ -1,4 +1,4 @@
-// Gives a hull the mass properties of a body that is not homogeneous.
+// Changes a hull's frame and inertia to those of a body that is not homogeneous.
 //
 // The hull's frame moves to `centre`, in the frame of the vertices given to make_hull, and to the principal axes of
 // `inertia_per_kg`, about `centre` along the axes of that frame. The surface stays where it is.

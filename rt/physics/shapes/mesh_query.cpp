@@ -55,7 +55,8 @@ class Nearest {
   std::array<Entry, kMaxBodyTriangles> entries_;
 };
 
-// Finds all of them; false if they are too many, or too far apart in the tree.
+// Finds all triangles whose boxes overlap `box`. False if the list is full, or the search exceeds kMaxMeshVisits nodes
+// or the stack.
 bool find_all(const Mesh& mesh, const Aabb& box, TriangleList& found) noexcept {
   std::array<std::uint32_t, kMaxMeshDepth> stack;
   std::uint32_t waiting = 0, visits = 0;

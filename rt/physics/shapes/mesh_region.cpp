@@ -42,7 +42,7 @@ Ruling rule_edge_axis(const Mesh& mesh, std::uint32_t triangle, std::uint32_t k,
   const Vec3d along = mesh.corners[t.corner[k == 2 ? 0 : k + 1]] - mesh.corners[t.corner[k]];
   const Vec3d& other = mesh.normals[t.neighbour[k]];
   const Vec3d beyond_other = cross(other, along);
-  // At the neighbour's normal or past it the neighbour pushes.
+  // If u is along the neighbour's normal or beyond it, the neighbour makes the contact.
   if (dot(beyond_other, u) < tolerance * norm(beyond_other) || is_along_normal(other, u, kAxisSine))
     return Ruling::kDropped;
   return Ruling::kAllowed;
@@ -63,7 +63,7 @@ Ruling rule_corner_axis(const Mesh& mesh, std::uint32_t triangle, std::uint32_t 
       const double length = norm(along);
       if (!(dot(along, u) > 1e-6 * length)) continue;
       blocked = true;
-      // What rises may be a ridge that pushes itself.
+      // A convex edge that rises along u may itself make the contact.
       elsewhere =
           elsewhere || dot(n, along) < -1e-3 * length ||
           (mesh.triangles[other].edge[k] == EdgeKind::kConvex && rule_edge_axis(mesh, other, k, u) == Ruling::kAllowed);

@@ -1,12 +1,12 @@
-// A cylinder or a cone as a hull that is turned about its axis so that it is exact where the other body is.
+// A cylinder or a cone as a hull, rotated about its axis so that its surface is exact where it faces the other body.
 //
 // The rim is a polygon of kSides corners on the circle. One of its facets, kFacet wide, faces a given direction, so its
 // plane is tangent to the surface there: contacts on the side, on the rim and on the cap have the depth and the normal
 // of the round body, and a body that rolls has the same features in every step. Elsewhere the polygon is inside the
-// circle by at most inscribed_error, 1.4 % of the radius; so late are two rims that meet edge to edge. Rejected: a hull
-// that turns with the body, which rolls over its corners (0.5 % of the radius with 32 sides); a facet as wide as the
-// others, on which a cylinder comes to rest. Frame: the body's: z along the axis, origin at the centre of mass. Units:
-// m. Thread: [any]; pure. The object is the storage of its view and must outlive it.
+// circle by at most inscribed_error, 1.4 % of the radius; the contact of two rims that meet edge to edge is found late
+// by that much. Rejected: a hull that turns with the body, which rolls over its corners (0.5 % of the radius with 32
+// sides); a facet as wide as the others, on which a cylinder comes to rest. Frame: the body's: z along the axis, origin
+// at the centre of mass. Units: m. Thread: [any]; pure. The object is the storage of its view and must outlive it.
 #pragma once
 
 #include <array>
