@@ -8,7 +8,7 @@
 //     delays a control frame by at most one frame, 135 us.
 //   FD, 1 and 5 Mbit/s: state 169 us, command 137 us: 31 % at 1 kHz, 80 % at 2.6 kHz, all at 3.27 kHz.
 //   FD, 1 and 2 Mbit/s: 373 and 293 us: 67 % at 1 kHz, 80 % at 1.2 kHz, all at 1.5 kHz.
-// Nothing of the watchdog changes with the link: it counts periods, and a command is whole or it did not come.
+// The watchdog is the same on every link: it counts periods without a command, and an incomplete command is none.
 // Thread: [any]; constants.
 #pragma once
 

@@ -21,8 +21,8 @@
 // configured; -32768 means "not finite", which the device rejects. Beyond 1023 the three are scaled down together. The
 // status is sent after each state whose sequence is a multiple of ten, and when the buttons change. Both ends rebuild
 // whole frames: sequence and time are extended from the last ones to the value nearest to the expected one, after a gap
-// only forwards. A status older than the newest state is a copy and ignored; two such that follow each other by the
-// right time come from a device that was reset: sequence and time go back with them.
+// only forwards. A status older than the newest state is a copy and ignored. Two such statuses that are apart in time
+// as their sequences require come from a device that was reset: sequence and time then go back to theirs.
 //
 // Bus load and possible rates: can_bus_load.h.
 // Thread: [any], one owner per object; no allocation, bounded.

@@ -30,7 +30,7 @@ struct DeviceRequest {
   std::uint64_t seed{1};
 };
 
-// What cannot be seen through a device, by the check of `tactus hil` that comes nearest to it.
+// A property that cannot be checked through this device, under the check of `tactus hil` that comes nearest to it.
 struct NotChecked {
   std::string check;
   std::string what;
@@ -53,7 +53,8 @@ struct DeviceClass {
   std::string_view name;
   std::string_view forms;  // what --device accepts, for messages and help: "usb, usb:SERIAL"
   std::string_view what;   // one line for a list of the classes
-  // It keeps real time and continues after the run: no virtual time, no faults by script, asked before motors move.
+  // Hardware: runs in real time and continues after the run. So there is no virtual time and no fault script, and the
+  // operator is asked before motors move.
   bool real{false};
   // What is wrong with the address, without the address itself; good: it is acceptable. Never touches hardware.
   Status (*check_address)(std::string_view address){nullptr};
@@ -61,8 +62,9 @@ struct DeviceClass {
   Result<OpenedDevice> (*open)(const DeviceRequest& request){nullptr};
   // The link alone, of classes that speak firmware/PROTOCOL.md; null for the others. Errors as open().
   Result<OpenedLink> (*open_link)(const DeviceRequest& request){nullptr};
-  // What of the machine a device takes, such as an interface or a serial number: two hands must not take the same. An
-  // empty one is any of its class. Null: simulated, as many as one likes. And how to name one's own, for messages.
+  // The resources of this machine that a device uses, such as an interface or a serial number: two hands must not use
+  // the same one. An empty string means any device of the class. Null: a simulated device, of which there may be any
+  // number. `each_its_own`: how to name each hand's own device, for messages.
   std::vector<std::string> (*takes)(std::string_view address, const DeviceDescription& description){nullptr};
   std::string_view each_its_own{};
   // The device's properties are its own: a description would have no effect.
@@ -75,8 +77,8 @@ struct DeviceClass {
   // What this machine has of that which the class needs, such as a maker's library, as a line for `tactus doctor`;
   // opens no device. Null: nothing. Error, one line: what is missing.
   Result<std::string> (*look)(std::string_view address){nullptr};
-  // Of a device whose motor values per N m its user measures (`tactus hil --calibrate`): those that an address means,
-  // and the address with others. Null: there is nothing to measure.
+  // For a device whose force gain, motor values per N m, its user measures (`tactus hil --calibrate`): returns the gain
+  // that an address contains, and the address with another gain. Null: there is no gain to measure.
   double (*force_gain)(std::string_view address){nullptr};
   std::string (*with_force_gain)(std::string_view address, double gain_per_Nm){nullptr};
 };

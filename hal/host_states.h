@@ -1,9 +1,9 @@
-// The states of a device without tactus' firmware, kept by its host: what is wanted, what it is in, the first fault
-// until a re-arm, and the commands that do not come.
+// The state machine of a device without tactus' firmware, kept by the host: the newest command, the present state, the
+// first fault until a re-arm, and the number of missing commands.
 //
-// BRAKE is left by a re-arm's rise alone. Missing commands fade the force from the third period on and brake in the
-// tenth: that is what the firmware does for a device that has it (firmware/PROTOCOL.md). What each state does to the
-// motors is the owner's. Thread: [rt], one; constant time, no allocation, no lock.
+// Only the rising edge of a re-arm leaves BRAKE. Missing commands fade the force from the third period on and brake in
+// the tenth, as the firmware does for a device that has it (firmware/PROTOCOL.md). The owner decides what each state
+// does to the motors. Thread: [rt], one; constant time, no allocation, no lock.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,10 @@
-// The target of a hand that a person leads, as by a mouse: it follows a wish as a hand would, and no faster.
+// Target of the simulated hand while a person controls it, for example with a mouse: filters the commanded pose (the
+// wish) into a motion that a hand can make.
 //
-// A critically damped filter of 2nd order for position and rotation, with bounds on its speeds: whatever is wished, the
-// force on the tool stays that of a hand, k (x_target - x) + c (v_target - v). A wish is a motion from where the hand
-// was when it was taken, so that nothing depends on how the device is placed in the scene.
+// A critically damped filter of 2nd order for position and rotation, with bounds on its speeds:
+//   x'' = w^2 (x_wish - x) - 2 w x',  w = kFollows_rad_per_s
+// So for any wish the force on the tool stays that of a hand, k (x_target - x) + c (v_target - v). A wish is a
+// displacement from the pose at begin(), so that nothing depends on how the device is placed in the scene.
 // Frame: the device's. Units: SI. Thread: the simulated device's [rt]; no allocation, constant work. Bound:
 // kMaxSpeed_m_per_s, kMaxTurn_rad_per_s.
 #pragma once
@@ -25,7 +27,7 @@ class LedHand {
     target_ = {at.pose, {}};
     origin_ = wish_ = at.pose;
   }
-  // To this far from where it began [m; rotation vector, rad].
+  // Sets the wish: displaced by this from the pose at begin() [m; rotation vector, rad].
   void wish(const Vec3d& moved, const Vec3d& turned) noexcept {
     wish_ = {origin_.position + moved, quat_from_rotation_vector(turned) * origin_.rotation};
   }

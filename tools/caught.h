@@ -1,5 +1,5 @@
-// The top of a thread of normal priority: what the thread's work throws becomes a status, where it would end the
-// program. Thread: the one whose work it is. Bound: the work's.
+// Runs the work of a thread of normal priority and returns an exception as a status; uncaught it would end the program.
+// Thread: the one whose work it is. Bound: the work's.
 #pragma once
 
 #include <exception>

@@ -4,7 +4,8 @@
 
 root=$(dirname "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")")
 logs=$root/build/logs
-# More compilers at once than this and a small machine swaps: one per core, and 1.5 GB each.
+# Number of parallel compilers: one per core, and at most one per 1.5 GB of available memory, beyond which a small
+# machine swaps.
 jobs=$(awk -v cores="$(nproc)" '/^MemAvailable/ { n = int($2 / 1572864); if (n < 1) n = 1
                                                   print n < cores ? n : cores }' /proc/meminfo)
 explained=

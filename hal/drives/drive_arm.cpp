@@ -155,7 +155,7 @@ void DriveArm::watch_drives() noexcept {
   if (step_ == Step::kEnabling) watch_enabling();
 }
 
-// FORCE is told when each drive has taken the command; torque is sent when each makes some.
+// Reports FORCE once each drive is starting or enabled; torque is sent once all drives are enabled.
 void DriveArm::watch_enabling() noexcept {
   bool all_enabled = true, all_taken = true;
   for (unsigned i = 0; i < count_; ++i) {
@@ -180,7 +180,7 @@ bool DriveArm::lacks_torque(unsigned i) noexcept {
   return axis.torque.lacks(axis.answer.torque_Nm, damping_Nm, of.torque_range_Nm);
 }
 
-// Host-side watchdog: the drives' own acts when this process does not.
+// Host-side watchdog for missing write() calls. If this process stops, the drives' own watchdogs act.
 void DriveArm::watch_commands() noexcept {
   if (states_.missed() == 0) return;
   if (states_.commands_lost() && (step_ == Step::kForce || step_ == Step::kEnabling))
@@ -215,7 +215,7 @@ void DriveArm::write(const haptics::DeviceCommand& command) noexcept {
   send_step(1.0);
 }
 
-// The next step of the way from what the drives do to what is wanted.
+// Selects the next step from the drives' present state towards the wanted state.
 void DriveArm::choose_step() noexcept {
   if (states_.state() == DeviceState::kReset) return;
   if (states_.command().wanted == DeviceState::kForce) {
@@ -256,7 +256,7 @@ void DriveArm::send_step(double share) noexcept {
   const AxisVector wanted = kinematics_.efforts_of(q_, wrench);
   for (unsigned i = 0; i < count_; ++i) {
     const double asked = std::clamp(share * wanted[i], -max_effort_[i], max_effort_[i]);
-    // Towards zero an effort may change at once: no harm grows by it.
+    // An effort may drop to zero at once, which is safe; only its growth away from zero is limited in slope.
     const double low = std::min(0.0, axes_[i].effort) - max_slope_[i];
     const double high = std::max(0.0, axes_[i].effort) + max_slope_[i];
     effort[i] = std::clamp(asked, low, high);

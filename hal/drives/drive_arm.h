@@ -4,13 +4,14 @@
 // sample. write() computes the efforts and sends one command per drive, back to back. A drive answers at once, so the
 // smallest transport delay is one tick.
 //   IDLE   the drives are disabled and polled      FORCE  torque, and damping in the drive
-//   BRAKE  no torque, brake damping, as long as the host lives; then the drives' own watchdogs
-// A drive that takes some periods to enable (moteus) gives FORCE without torque until all are enabled. One that was
-// enabled and tells another mode brakes the arm.
+//   BRAKE  no torque, brake damping, as long as this process runs; then the drives' own watchdogs act
+// While a drive takes some periods to enable (moteus), the arm reports FORCE without torque, until all are enabled. A
+// drive that was enabled and then reports another mode brakes the arm.
 // When write() is not called: from the third period on the last efforts fade, with the tenth the arm brakes (fault 1).
 // When the process dies: the drives hold the last torque until their watchdog, at most 10 ms; therefore efforts are
 // limited in slope (DriveDescription::full_effort_s).
-// A drive that answers without the torque that it is sent brakes the arm (torque_watch.h), where the family tells it.
+// A drive that answers and does not make the commanded torque brakes the arm (torque_watch.h), if the answers of its
+// family contain the torque.
 // Faults that the arm reports itself, latched until a re-arm: 1, 4 (firmware/faults.h), and those of drive_faults.h.
 // Thread: construction, start() [setup]; read(), write() [rt]: no allocation, no lock, no wait; at most kMaxFrames
 // frames per bus and period, the rest waits for the next. Frame: the device's. Units: SI.

@@ -1,5 +1,5 @@
-// Does the description of an arm of drives go together: axes, identifiers, ranges, watchdog?
-// Thread: [setup]. What depends on the rate: check_watchdog, and check_bus_load.
+// Checks the description of an arm of drives for consistency: axes, identifiers, ranges, watchdog.
+// Thread: [setup]. Only check_watchdog and check_bus_load depend on the rate.
 #pragma once
 
 #include <chrono>

@@ -1,7 +1,7 @@
 // The codecs of drive families: commands to frames, frames to answers. Pure functions, no I/O.
 //
-// One command and one answer per period and axis. decode() takes any bytes: a frame that is not this drive's answer, or
-// is malformed, is refused and said which. Sources, per family: mit_codec.h, robstride_codec.h, moteus_codec.h,
+// One command and one answer per period and axis. decode() accepts any bytes and returns whether the frame is this
+// drive's answer, foreign, or malformed. Sources, per family: mit_codec.h, robstride_codec.h, moteus_codec.h,
 // odrive_codec.h. Units: SI, of the drive's reported shaft. Thread: [any], [rt]; no allocation, bounded.
 #pragma once
 
@@ -57,7 +57,7 @@ struct DriveCodec {
   std::string_view name;  // in description files
   // size 0 and id 0: nothing is to be sent for this action.
   DriveFrame (*encode)(const DriveAxis& axis, const DriveCommand& command) noexcept;
-  // Sets only what the frame tells; what it does not is left as it is.
+  // Sets only the members of the answer that the frame contains; the others are unchanged.
   DriveDecode (*decode)(const DriveAxis& axis, const DriveFrame& frame, DriveAnswer& answer) noexcept;
   std::uint8_t command_bytes, answer_bytes;  // of the torque command and its answer
   bool extended_command, extended_answer;

@@ -44,7 +44,7 @@ AxisVector axis_damping(const DriveDescription& drives) noexcept {
   AxisVector damping{};
   for (unsigned i = 0; i < drives.axes.size() && i < kAxisCount; ++i) {
     const DriveAxis& axis = drives.axes[i];
-    // What the frames carry: a field of a few steps makes less of it than is described.
+    // The damping that a frame's field can represent: a whole number of steps, which may be less than is described.
     const double sent = sent_damping_Nms_per_rad(drives.family, axis, axis.damping_Nms_per_rad);
     damping[i] = sent * axis.ratio * axis.ratio;
   }

@@ -25,7 +25,7 @@ constexpr milliseconds kMoteusStart{100};  // from stopped to position mode: 10 
 
 enum class Purpose : std::uint8_t { kPrepare, kCompare };
 
-// One drive in conversation.
+// Requests to one drive, and its answers.
 class Talk {
  public:
   Talk(const DriveDescription& drives, unsigned number, DriveBus& bus)
@@ -226,8 +226,8 @@ Status read(Talk& talk, MoteusRegister number, std::int32_t& value) {
   return answered ? Status::good() : talk.error(kSilent);
 }
 
-// Fed until it is in position mode: before, its watchdog does not count, and a time-out of an earlier run tells
-// nothing.
+// Sends enable commands until the drive is in position mode. Before that its watchdog does not count, so a time-out
+// that it reports is of an earlier run and proves nothing.
 Status start_moteus(Talk& talk) {
   DriveAnswer answer;
   talk.tell(DriveAction::kDisable);
@@ -261,7 +261,8 @@ Status provoke_moteus_watchdog(Talk& talk) {
       "servo.timeout_mode = 15 with the maker's tool");
 }
 
-// Factory mode 12 ends as 11 too, but damps by the last command's gain, which is none where there was only torque.
+// The time-out mode must be the brake. With the factory's mode 12 the drive also reports mode 11 after a time-out, but
+// it damps with the gain of the last command, which is 0 if that command had torque only.
 Status check_timeout_mode(Talk& talk) {
   talk.tell(moteus_ask_configuration(talk.axis.id, kMoteusTimeoutMode));
   std::string told;
@@ -304,8 +305,8 @@ Status go_through_moteus(Talk& talk, const DriveDescription& drives, Purpose pur
 
 const char* const kNoHeartbeat = "sends no heartbeat; is it powered, are bit rate and node those of the description?";
 
-// In closed loop and fed without torque, then not fed for kSilence, then fed again: only a watchdog that is as short
-// has acted. CANSimple cannot tell what it is set to.
+// Enters closed loop and sends commands without torque, then none for kSilence, then commands again: only a watchdog of
+// at most kSilence has acted. CANSimple cannot report the time that the watchdog is set to.
 Status provoke_odrive_watchdog(Talk& talk) {
   DriveAnswer answer;
   talk.tell(odrive_torque_mode(talk.axis.id));

@@ -1,4 +1,4 @@
-// What is asked of the drives before an arm of them gets force: identity, ranges, mode, watchdog.
+// Checks and prepares the drives of an arm before they may make torque: identity, ranges, mode, watchdog.
 //
 // Each drive is compared with the description. Its watchdog is set where the host can set it, else provoked and
 // observed (of a moteus its configuration is asked for, too), else (CubeMars, mini-cheetah) taken from the description,
@@ -23,8 +23,9 @@ inline constexpr double kLongestWatchdog_s = 0.01;
 // where the family has one (RobStride, moteus), for the summary and for compare_drives().
 Result<std::vector<std::string>> prepare_drives(const DriveDescription& drives, const DriveBuses& buses);
 
-// Reads what can be read again without disturbing the drives, and compares it, the drives themselves with
-// `identities`, too. Error as above. A drive that restarted has lost what was written into its memory.
+// Reads everything that can be read without disturbing the drives, and compares it with the description, and the drives
+// with `identities`. Error as above. A drive that restarted differs, because it has lost what was written into its
+// memory.
 Status compare_drives(const DriveDescription& drives, const DriveBuses& buses,
                       const std::vector<std::string>& identities);
 

@@ -35,7 +35,8 @@ class SimulatedDrive {
 
   // A frame from the bus. True: `reply` holds the drive's answer.
   bool hear(const DriveFrame& frame, const DriveShaft& shaft, DriveFrame& reply) noexcept;
-  // Time passes: the watchdog. ODrive: true when an estimate (first) or a heartbeat (then) is to be sent now.
+  // advance(): lets time_s pass, for the watchdog. send_cyclic(), ODrive only: true when an estimate (first) or a
+  // heartbeat (then) is to be sent now.
   void advance(double time_s) noexcept;
   bool send_cyclic(const DriveShaft& shaft, DriveFrame& frame) noexcept;
 

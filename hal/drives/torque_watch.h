@@ -1,11 +1,12 @@
-// Does a drive make the torque that it is sent? It tells in its answers; a drive that restarted or timed out may answer
-// as if nothing had happened, without any.
+// Detects a drive that reports less torque than was commanded: a drive that restarted or timed out may answer as if
+// nothing had happened, without any torque.
 //
-// An answer may be of a command some periods ago, and the drive filters: what is compared is the least of the last six
-// commands, with and without the drive's own damping. A drive that tells less than a quarter of it, in the mean over
-// kPeriods or more, lacks torque: over as many as make the square of kSureShare of the range in kPeriods. Commands
-// below kLeastShare of the range say nothing: there the offsets of current sensors may be as large. Thread: [rt], one;
-// constant time. Units: N m, rad/s, of the drive's shaft.
+// An answer may belong to a command some periods ago, and the drive filters. So the torque tau of an answer is compared
+// with e: of the last six commands, each with and without the drive's own damping, the one of least magnitude; 0 if
+// their signs differ. Periods with |e| < kLeastShare range are left out: there the offsets of current sensors may be as
+// large. Over the n others, once n >= kPeriods and sum e^2 >= kPeriods (kSureShare range)^2, the drive lacks torque if
+//   sum tau e < kTold sum e^2,  kTold = 1/4
+// and the sums restart. Thread: [rt], one; constant time. Units: N m, rad/s, of the drive's shaft.
 #pragma once
 
 #include <algorithm>

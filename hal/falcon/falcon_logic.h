@@ -1,10 +1,10 @@
 // The Falcon as tactus sees a device: states, forces to motor values, counts to poses. No I/O.
 //
 // IDLE and BRAKE: motor values of zero; the device cannot short its motors. FORCE only while all axes are homed; a
-// homed bit that goes is a fault (falcon_faults.h). No watchdog of the device's own is known, so every way out has to
-// send zeros: the thread that owns the port does (falcon_device.h). A process that is killed leaves the last values:
-// use the e-stop on the supply. Thread: construction [setup], the rest [rt], one thread; no allocation, no lock,
-// bounded. Units: SI.
+// homed bit that clears is a fault (falcon_faults.h). No watchdog in the device is known, so the thread that owns the
+// port sends zeros whenever the exchange ends (falcon_device.h). If the process is killed, the motors keep the last
+// values: use the e-stop on the supply. Thread: construction [setup], the rest [rt], one thread; no allocation, no
+// lock, bounded. Units: SI.
 #pragma once
 
 #include "hal/falcon/delta_arm.h"

@@ -1,13 +1,13 @@
 // The host's GPIO lines as each of several hands has them: one set of lines, a haptic thread for each hand.
 //
 //   estop       stops every hand. Each thread reads the level itself in each of its ticks, so a thread that
-//               hangs or has ended makes no other blind. What was pressed between two ticks is told to all, at their
-//               next tick.
-//   enable      active while any hand wants force: a fault of one takes no force from the others
-//   probe       of the first hand
-//   heartbeat   toggles when every hand has ticked since it last did: it stops with any of the threads
+//               hangs or has ended does not prevent the others from seeing the e-stop. A press between two ticks is
+//               reported to every hand at its next tick.
+//   enable      active while any hand requests force: a fault of one hand does not remove the others' force
+//   probe       active while tick() of the first hand runs
+//   heartbeat   toggles once every hand has ticked since the last toggle: it stops if any of the threads stops
 //
-// The first hand's thread sets the outputs: what another hand wants shows at its next tick.
+// Only the first hand's thread sets the outputs: a change by another hand takes effect at the first hand's next tick.
 // Thread: share(), off(), destruction [setup]; the rest [rt], a hand by one thread. No lock, no allocation, no throw.
 // Bound: as GpioLines; of several hands one read more a tick, and a loop over kMaxHands.
 #pragma once

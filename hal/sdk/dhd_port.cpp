@@ -93,7 +93,7 @@ Status DhdPort::prepare(std::optional<unsigned> asked) {
   unsigned short serial = 0;
   (void)f_.dhdGetSerialNumber(&serial, id);
   identity_ = fmt::format("Force Dimension {}, serial {}, SDK {}{}", name, serial, library_->version(), set_expert());
-  // Rotation only where the wrist is actuated: a passive one could be felt in no other way.
+  // Rotation is used only if the wrist is actuated: a passive wrist applies no torque to the hand.
   properties_.has_rotation = f_.dhdHasWrist(id) && f_.dhdHasActiveWrist(id);
   properties_.workspace_radius_m = model->radius_m;
   properties_.max_speed_m_per_s = 1.5;

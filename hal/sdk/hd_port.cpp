@@ -172,7 +172,7 @@ Status HdPort::read_figures() {
                     force_N, continuous_N, usable.high.x - usable.low.x));
   constexpr int kAllAxes = 6;
   centre_ = (usable.low + usable.high) * 0.5;
-  // Rotation only where the wrist is actuated: a passive one could be felt in no other way.
+  // Rotation is used only if the wrist is actuated: a passive wrist applies no torque to the hand.
   properties_.has_rotation = outputs == kAllAxes;
   properties_.workspace_radius_m = whole.radius_about(centre_);
   properties_.max_speed_m_per_s = 1.5;

@@ -2,8 +2,8 @@
 //
 // All that concerns the device's state happens in one frame per call of the scheduler: pose and buttons out, the newest
 // force in. The library's own soft start of forces stays as its user has set it; its cut to the device's largest force
-// is switched on. A device that wants to be calibrated and can do so by itself (the stylus was put into its inkwell) is
-// calibrated while it gives no force; while it gives force that is a fault.
+// is switched on. A device that requests calibration and can calibrate itself (the stylus was put into its inkwell) is
+// calibrated while it applies no force; a request while it applies force is a fault.
 // Thread: open() [setup]; the rest as sdk_port.h says. Frame: the library's x points to the right, y up, z to the
 // person; the device's x to the right, y away from the person, z up, the origin at the centre of the workspace that the
 // library calls usable. Units: SI; the library's are mm, N and mN m. Not tried on a device.
@@ -19,7 +19,7 @@ namespace tactus::hal {
 
 class HdPort final : public SdkPort {
  public:
-  // A pose farther away than at this speed is not believed: users see such jumps.
+  // A pose that requires a higher speed since the last one is rejected: users report such jumps.
   static constexpr double kJump_m_per_s = 5;
 
   // `name`: of a device as the maker's setup program calls it; empty: the default one. Error, one line: none there, in

@@ -228,7 +228,8 @@ void SdkWorker::exchange() noexcept {
   Answer answer;
   const SdkResult result = call_port(wrench, answer.state);
   answer.fresh = result == SdkResult::kFresh;
-  // Where forces were not asked for, it says nothing that they are off; where they were and the library refused, all.
+  // A fault counts only while forces are requested: the library's own, or kSdkForcesOff if the library refused to
+  // switch them on.
   if (wants && reported_ == 0) reported_ = answer.state.fault != 0 ? answer.state.fault : forces_ ? 0 : kSdkForcesOff;
   answer.state.fault = reported_;
   lost_ = answer.fresh ? 0 : std::min(lost_ + 1, kGone);

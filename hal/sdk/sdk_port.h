@@ -1,4 +1,4 @@
-// A maker's library, as a device on it sees it: one exchange, and the end of all force.
+// Interface to a maker's library: one call exchanges a wrench for a state, another switches the forces on or off.
 //
 // Implementations call functions of a shared library that the user has installed; nothing of a maker is part of tactus.
 // Thread: one owner, whose calls may wait for the bus. Frame: the device's. Units: SI.

@@ -51,7 +51,7 @@ Result<std::uint32_t> ask(hal::AnyLink& link, Operation operation, const Registe
     if (status == ServiceStatus::kGood) return reply.value().value;
     if (status != ServiceStatus::kBusy) break;
     std::this_thread::sleep_for(kBusyPause);
-    (void)link.receive(dropped);  // a device in this process lives by it
+    (void)link.receive(dropped);  // a device in this process advances one period by it
   }
   return Status::error(fmt::format("{}: refused: {}", name_of(row, index), words_of(status)));
 }

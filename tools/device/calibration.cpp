@@ -12,14 +12,14 @@ namespace tactus::device {
 namespace {
 
 constexpr double kTurned_rad = 0.5;
-// An axis that all moves together turn by less is not judged.
+// An axis with sqrt(sum(d q^2)) below this is not judged.
 constexpr double kLeastTurn_rad = 0.05;
 // A person places the tool to some centimetres: a ratio that is further off is wrong in the description.
 constexpr double kRatioDoubt = 0.35;
 
 Vec3d unit(unsigned axis) noexcept { return {axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0}; }
 
-// A drive's angle that differs by whole turns is the same place for its motor, not for its axis: no wrapping here.
+// Angles are not wrapped: drive angles that differ by whole turns are one position of the motor, but not of the axis.
 AxisCalibration of_axis(const hal::DriveAxis& axis, unsigned i, const hal::AxisVector& centre_q,
                         const hal::AxisVector& centre_rad, const std::vector<HeldPose>& moves,
                         const hal::Kinematics& kinematics) {

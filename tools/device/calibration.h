@@ -1,9 +1,10 @@
 // Signs and offsets of an arm of drives, from the drives' angles while a person holds the tool at known poses, without
 // force.
 //
-// With the tool at its centre the offset of each axis follows. Moves of the tool away from the centre turn the axes to
-// sides that the kinematics foretell: the sign of sum(d theta d q) over the moves is the axis' sign, its size over
-// sum(d q^2) the ratio as the moves show it: no more exact than the person moves, so it is compared, not taken.
+// The pose with the tool at its centre gives the offset of each axis. For moves away from the centre the kinematics
+// predict the axis changes d q; with the measured drive angles d theta:
+//   sign = sign(sum(d theta d q)),  ratio = |sum(d theta d q)| / sum(d q^2),  sums over the moves
+// The ratio is no more exact than the person's moves, so it is compared with the description's and not taken over.
 // Thread: normal; pure. Units: rad of the drives' reported shafts, m. Frame: the device's.
 #pragma once
 

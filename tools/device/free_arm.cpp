@@ -10,7 +10,7 @@ namespace tactus::device {
 
 using hal::AxisVector;
 
-// Drives that send by themselves: what came before is of where the arm was.
+// Drops waiting frames: drives that send unasked reported an earlier position of the arm in them.
 void FreeArm::discard_old() {
   hal::ReceivedDriveFrame old;
   for (const auto& bus : buses_)

@@ -31,7 +31,7 @@ constexpr std::array<Family, 6> kFamilies{{{"damiao", 10, 12.5, 30, 0, true, 1, 
                                            {"moteus", 3, 0, 0, 16384, false, 4, 4, 1000},
                                            {"odrive", 3, 0, 0, 8192, false, 4, 3, 1000}}};
 constexpr double kBelt_rad_per_m = 30;  // of a stage: pulleys of 33 mm
-// Closed in the drives, as it is felt at the axis: enough for walls, little enough not to be felt as honey.
+// Damping closed in the drives, at the axis: enough for walls, and too little to be felt as viscous.
 constexpr double kArmDamping_Nms_per_rad = 0.1, kStageDamping_Ns_per_m = 3, kWristDamping_Nms_per_rad = 0.0025;
 constexpr double kMoteusDampingRange_Nms_per_rad = 0.5;
 constexpr const char* kFirmware = "firmware";

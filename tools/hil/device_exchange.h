@@ -1,8 +1,9 @@
-// The exchange of `tactus hil` with a device without tactus' wire: a read and a write a period.
+// The exchange of `tactus hil` with a device without tactus' wire: one read and one write per period.
 //
-// In real time a thread of its own makes it, from the construction to the destructor without a gap: between two runs it
-// repeats the last command, without force, since a drive that hears nothing ends its force by itself. Stepped, run()
-// makes it. Ten periods without a sample while FORCE is wanted end it, as in a run of tactus, until settle().
+// In real time a separate thread makes the exchange from construction to destruction without a gap: between two runs it
+// repeats the last command without force, because a drive that receives no commands ends its force by itself. In
+// stepped mode run() makes it. After ten periods without a sample while FORCE is wanted, BRAKE is wanted without force
+// until settle(), as in a run of tactus.
 // Thread: normal, by one; the ticks of run() are called in the exchange's thread, while run() waits.
 #pragma once
 

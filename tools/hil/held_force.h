@@ -1,7 +1,8 @@
 // A small force that a device holds while a person reads a scale.
 //
-// The device is in IDLE but during a push. The force comes and goes at kSlope_N_per_s, and ends at once if the device
-// reports a fault, stops answering, or its tool moves by more than kMostMoved_m: what it pushes against is not there.
+// The device is in IDLE except during a push. The force rises and falls at kSlope_N_per_s. It ends at once if the
+// device reports a fault, stops answering, or its tool moves by more than kMostMoved_m, because then nothing holds the
+// tool.
 // Thread: normal; in real time a thread of its own exchanges with the device, set up as asked, until the destructor;
 // stepped, the calls do. Frame: the device's. Units: SI.
 #pragma once

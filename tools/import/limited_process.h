@@ -1,4 +1,5 @@
-// Runs work on what a stranger wrote in a process of its own: a crash, an endless loop or a flood ends that process.
+// Runs work on untrusted input in a separate process: a crash, an endless loop or too much memory or output ends only
+// that process.
 //
 // Thread: the only one of the program. Bound: Limits; the process is killed beyond them. Errors: one line that says
 // which limit it was, or how the process ended.

@@ -134,7 +134,7 @@ class Translator {
       account_.change(fmt::format("{}: friction {} is {} here", name, body.friction, kLargestFriction));
       body.friction = kLargestFriction;
     }
-    // There: the largest torque over N, a length. Here: that of a disk, 2/3 mu R.
+    // Torsional friction y [m]. MuJoCo: torque <= y N. A scene's contact disk of radius R: torque <= 2/3 mu R N.
     if (body.friction > 0) body.contact_radius_m = 1.5 * most.y / body.friction;
     body.rolling_friction_m = most.z;
   }

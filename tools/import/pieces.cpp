@@ -108,8 +108,8 @@ double deviation_of(const sim::TriangleSoup& mesh, const std::vector<sim::Triang
   return most;
 }
 
-// The corners of each cluster's hull: how many, then their coordinates. `share`: of the mesh's size, how deep a cluster
-// may be hollow.
+// The corners of each cluster's hull: how many, then their coordinates. `share`: largest concavity of a cluster, as a
+// share of the mesh's size.
 std::string clusters_of(const sim::TriangleSoup& soup, double share) {
   std::vector<HACD::Vec3<HACD::Real>> points;
   std::vector<HACD::Vec3<long>> triangles;

@@ -201,10 +201,11 @@ class Writer {
     line_unless_zero("rotation_vector_rad", shown(rotation_vector_of(pose.rotation), kRounding));
   }
 
-  // Places come from sums of lengths as large as the model is far.
+  // Rounding of a position [m]: it is a sum of lengths of up to reach_m_.
   double length_rounding() const { return kRounding * reach_m_; }
 
-  // Moments about a centre that is wrong by d are so by 2 m l d, and m l^2 is at most their trace.
+  // Rounding of a moment of inertia [kg m^2]. A centre of mass that is wrong by d changes a moment by 2 m l d,
+  // and m l^2 is at most the trace: by at most 2 d sqrt(m trace).
   double inertia_rounding(const DraftBody& body) const {
     const double sum = trace(*body.inertia);
     return kRounding * sum + 2 * std::sqrt(body.mass_kg * sum) * length_rounding();
@@ -229,7 +230,8 @@ class Writer {
     if (joint.bodies_collide) line("bodies_collide", "true");
   }
 
-  // Joints give by their load over m w^2, and mechanisms swing with the error of a sub-step: both want short ones.
+  // A joint deflects by its load / (m w^2), and the motion of a mechanism has the error of a sub-step: both require
+  // short sub-steps.
   void write_simulation(Account& account) {
     if (draft_.joints.empty()) return;
     files_.text += "\n[simulation]\ncontact_hertz_Hz = 1000\nglobal_sub_steps_per_tick = 4\n";

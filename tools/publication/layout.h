@@ -1,5 +1,5 @@
-// The shared memory in which a running controller shows itself: header, text, three frames of bodies and contacts, and
-// a ring of ticks.
+// Layout of the shared memory in which a running controller publishes its state: header, text, three frames of bodies
+// and contacts, and a ring of ticks.
 //
 //   Header | text | state | frame 0 | frame 1 | frame 2 | tick entries
 //

@@ -1,4 +1,4 @@
-// A running controller, watched: the connection that says so, its memory, and what it runs.
+// A running controller that is watched: the connection that keeps it watched, its shared memory, and its scene.
 //
 // Thread: one. Bound: as of the watcher; opening waits for the controller's answer (service::watch_control).
 #pragma once

@@ -1,7 +1,7 @@
 // A watcher's side of the shared memory (layout.h): copies the newest frame and the ticks since the last look.
 //
-// What the memory says is checked before it is used: whatever bytes are in it, nothing outside of it is read. A reader
-// that is too slow loses values, never gets half of one, and counts them.
+// Offsets and counts in the memory are checked before use: whatever bytes it contains, nothing outside of it is read. A
+// reader that is too slow loses whole values, never receives part of one, and counts the losses.
 // Thread: one. Frame: world. Units: SI. Bound: a frame's copy by the number of bodies; at most one ring of ticks a
 // call.
 #pragma once

@@ -1,6 +1,6 @@
-// A simulated device whose hand follows targets, or pushes with wrenches, that its owner gives, one a tick: the arm of
-// the scene's profile, with its encoders and the delay of its link, led by the impedance of the scene's [hand], or
-// pushed by the wrench alone, with the hand's mass on it. No link, so no injected faults.
+// A simulated device whose owner supplies one target, or one wrench, of the hand per tick: the arm of the scene's
+// profile, with its encoders and the delay of its link. With a target the impedance of the scene's [hand] moves the
+// arm; with a wrench the wrench alone, with the hand's mass on the arm. No link, so no injected faults.
 //
 // Thread: one, in virtual time. Frame: targets, and what the owner is told, in the world; the Device's own interface in
 // the device's. Bound: read() takes the owner's time plus a constant.
@@ -37,7 +37,8 @@ struct HandAsked {
   Vector3 torque_Nm{};    // same, about the tool's origin
 };
 
-// Where the hand wants the tool at the end of the coming period, or what it pushes with until then; false: as before.
+// Sets `wish` to the target pose at the end of the coming period, or to the wrench that the hand applies until then;
+// false: as before.
 using AskHand = std::function<bool(const HandAsked& asked, HandWish& wish)>;
 
 class HandDevice final : public Device {

@@ -13,7 +13,7 @@ namespace py = pybind11;
 namespace tactus::python {
 namespace {
 
-// The Run may be another one tomorrow; views stay with the one that they are of.
+// replace() exchanges the Run; a view keeps the Run from which it was made.
 class SessionObject : public ZeroedByPython {
  public:
   SessionObject(const Scene& scene, const py::object& hand, const py::dict& options)

@@ -50,7 +50,7 @@ class ConfigurationReader {
     return text.empty() ? std::filesystem::path() : folder_ / text;
   }
 
-  // A name that is none is said at its line, and the default goes on.
+  // Reports an invalid name at its line and continues with `otherwise`.
   std::string device_name(text::TableReader& t, const std::string& otherwise) {
     const std::string name = t.text("name", otherwise, kLongestText), mistake = hal::device_mistake(name);
     if (mistake.empty()) return name;

@@ -1,6 +1,6 @@
-// How fast a run in virtual time goes, as its operator asks for: stopped, by single ticks or cycles, or at a pace.
+// Pace of a run in virtual time, as requested by its operator: stopped, by single ticks or cycles, or at a pace.
 //
-// Real time has none of it. No result depends on it: a tick is the same whenever it is computed.
+// A run in real time has no Pacing. No result depends on the pace: a tick is the same whenever it is computed.
 // Thread: asked by the control socket's thread; read by the one that ticks. Bound: each value by itself.
 #pragma once
 

@@ -1,5 +1,5 @@
-// Do the devices of several hands take the same thing of the machine: an interface, a serial number, a library's only
-// device? Looks at names and descriptions, at no hardware. Thread: normal.
+// Checks that no two hands use the same device: the same interface, serial number, or only device of a library. Reads
+// names and descriptions and accesses no hardware. Thread: normal.
 #pragma once
 
 #include <filesystem>

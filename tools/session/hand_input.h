@@ -1,6 +1,7 @@
-// What a person wishes of the simulated hand, from the control socket's thread to the thread that ticks.
+// Passes a person's commands for the simulated hand from the control socket's thread to the thread that ticks.
 //
-// Silence of kSilence_s holds the hand where it is: it is counted in ticks, so that no tick depends on measured time.
+// Without a command for kSilence_s the hand stays where it is. The time is counted in ticks, so that no tick depends on
+// measured time.
 // Frame: world. Units: SI. Thread: take, lead, rest: one, normal; apply: [rt] the one that ticks. Bound: constant work.
 #pragma once
 

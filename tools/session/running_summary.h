@@ -1,8 +1,8 @@
 // The summary of a run so far, for its verdict: counted from the recorder's records, as the run itself counts its
 // ticks.
 //
-// A run's own statistics are the haptic thread's until it has ended; the records come by normal threads. A tape's
-// verdict is of the same counts.
+// The run's own statistics belong to the haptic thread until it has ended, whereas the records reach normal threads.
+// The verdict of a tape is computed from the same counts.
 // Thread: take: the one that takes the records; take_world: the global world's, which never waits here; the rest [any].
 // Bound: constant work a record.
 #pragma once

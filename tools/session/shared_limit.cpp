@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kMeanSteps = 1.5;  // global steps from a sample to the other hand's sub-world, in the mean
 constexpr double kArm_m = 0.02;     // from the body's centre to each proxy
-// The body is light: what is heavier, the couplings bear more of.
+// Mass of the body / mass of a proxy. The body is light, because with a heavier one the stability limit is higher.
 constexpr double kShareOfProxy = 0.05;
 // A push far below anything that could use up the border's tank; observed before and after half a second.
 constexpr double kPush = 1e-6;  // m/s or rad/s

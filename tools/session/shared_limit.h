@@ -1,5 +1,5 @@
-// How stiff the coupling of two hands may be where both hold one body: each then pulls at the other through the global
-// world, with its delay.
+// Largest stable stiffness of the couplings of two hands that hold one body: each device then acts on the other through
+// the global world, with its delay.
 //
 // A device's sample reaches the other hand's sub-world one to two global steps later, 1.5 r T in the mean. Where both
 // couplings (K, B; device of mass m and damping b) hold a body without mass, a device is held by K/2 to where it is and

@@ -34,11 +34,11 @@ struct Printed {
   int status{-1};
 };
 
-volatile std::sig_atomic_t g_process = 0;  // for the handler: whom it passes the signal to
+volatile std::sig_atomic_t g_process = 0;  // id of the process to which the handler passes the signal on
 void pass_on(int signal) { kill(static_cast<pid_t>(g_process), signal); }
 
-// Until destroyed, a signal that would end this process is passed on to another, which ends its workers and says what
-// it leaves. A terminal's Ctrl-C reaches that one a second time, which changes nothing.
+// Until destroyed, passes signals that would end this process on to another process, which ends its workers and reports
+// what it leaves. Ctrl-C at a terminal reaches that process twice; the second signal has no effect.
 class PassedSignals {
  public:
   explicit PassedSignals(pid_t process) {

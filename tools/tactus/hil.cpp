@@ -184,7 +184,7 @@ int run_calibration(HilCommand& c, const hal::DeviceChoice& choice, const hal::D
                     kExitMachineCannot);
   auto opened = device_class.open({choice.address, profile, period_ns, {}, {}});
   if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
-  c.options.stepped = !device_class.real;  // who types is the only clock that a simulated one needs
+  c.options.stepped = !device_class.real;  // a simulated device needs no clock: the calls step it
   hil::DeviceUnderTest under_test{*opened.value().device, opened.value().identity, c.options};
   return calibrate_gain({choice, under_test, c.out, c.json});
 }

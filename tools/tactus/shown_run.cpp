@@ -56,7 +56,7 @@ void ShownRun::look(const session::LiveStatus& live) {
   say(summary, false);
 }
 
-// One tape for the faults since the last one: what is latched now, with the seconds before it.
+// Writes one tape for all faults since the last tape: the fault that is latched now, with the seconds before it.
 void ShownRun::keep_fault(const session::LiveStatus& live) {
   if (writing_.valid()) {
     if (writing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;

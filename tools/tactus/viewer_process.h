@@ -1,4 +1,5 @@
-// The viewer of a run as a process of its own: `tactus view --socket`, without the run's privileges and its fate.
+// The viewer of a run as a separate process, `tactus view --socket`: it has none of the run's privileges, and its
+// failure does not affect the run.
 //
 // Thread: main. Bound: a viewer that does not end within a second of being asked is killed.
 #pragma once

@@ -76,8 +76,8 @@ class LookedAt {
   double largest_{0};
 };
 
-// Both hands draw 20 mm at a bar that is jointed to both proxies, then the first another 30 mm: two pairs of springs
-// carry the stretch, and half of what one hand draws more is felt by the other.
+// Both hands pull by 20 mm on a bar that is jointed to both proxies; then the first pulls another 30 mm. Two pairs of
+// springs carry the stretch, so half of the additional pull of one hand acts on the other.
 Outcome tug_of_war(const Setting& setting) {
   LookedAt run(tug_text(), setting);
   std::array<double, 2> drawn{}, moved{};

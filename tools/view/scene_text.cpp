@@ -69,8 +69,8 @@ ordered_json shape_json(const sim::Scene& scene, const physics::Shape& shape) {
   return {};
 }
 
-// How far the proxy may get before the next members are there: with the proxy's own size half the side of the boundary
-// cube. 0: there is none.
+// Distance that the proxy may move before the next members are adopted [m]; with the proxy's own size it is half the
+// side of the boundary cube. 0: there is no boundary cube.
 double reach_of(const sim::Scene& scene, const session::RunOptions& options) {
   const haptics::CouplingTraits traits = haptics::traits_of(options.coupling);
   if (!traits.global_world || traits.proxy_alone() || !options.taped_device) return 0;

@@ -28,8 +28,8 @@ struct WholeRunRequest {
   double seconds{10};
   bool hand_of_direct{false};  // also with the direct run's hand
   // Compares, first for each scene, the direct run with two others: one whose proxy starts displaced by kApart_m, and
-  // one of kFinerSteps times as many sub-steps. Smaller errors of a coupling than the first divergence are chance; than
-  // the second, the direct run itself is not known better.
+  // one of kFinerSteps times as many sub-steps. A coupling's error below the first difference is chance; below the
+  // second, it is within the discretisation error of the direct run itself.
   bool floor{false};
   static constexpr double kApart_m = 1e-6;
   static constexpr unsigned kFinerSteps = 2;

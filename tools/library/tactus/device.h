@@ -75,7 +75,7 @@ class Device {
   /// [setup] Called once, in Session::open, before start().
   virtual DeviceProperties properties() const = 0;
   /// [setup] Just before the first tick, and again after Session::reset. An error ends that call, as kMachine.
-  /// \param period_s of a tick
+  /// \param period_s period of a tick [s]
   virtual Error start([[maybe_unused]] double period_s) { return {}; }
   /// [rt] Returns the newest sample. On entry `sample` holds the pose of the last fresh sample, no button and no fault.
   /// It is ignored unless the result is kFresh.

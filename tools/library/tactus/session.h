@@ -150,15 +150,15 @@ class Session {
   std::uint64_t ticks_done() const noexcept;
   /// Haptic time: ticks_done() periods [s].
   double time_s() const noexcept;
-  /// Of a tick.
+  /// Period of a tick [s].
   double period_s() const noexcept;
 
   /// All bodies by number. Members of any hand are as of the last tick, the others as of the last global step. In a
   /// Monitor all are as of a recent global step; with the coupling `direct`, which has no global world, as at the
   /// start.
   std::span<const BodyState> bodies() const;
-  /// Who simulates each body, by number, as one hand has it: a member of another hand's sub-world is of the global
-  /// world here. As of when bodies() is.
+  /// Where each body is simulated, by number, from the view of one hand: for it, a member of another hand's sub-world
+  /// is simulated by the global world. At the same time as bodies().
   std::span<const Role> roles(unsigned hand = 0) const;
   /// Bodies of the sub-world, ascending; as of when bodies() is. A body is a member of one hand's at most.
   std::span<const BodyNumber> members(unsigned hand = 0) const;
@@ -175,9 +175,9 @@ class Session {
   /// Statistics and verdict of the run so far. Empty in a Monitor: the haptic thread is using them.
   Summary summary(unsigned hand = 0) const;
 
-  /// That it was opened with.
+  /// The scene that it was opened with.
   const Scene& scene() const noexcept;
-  /// That it was opened with.
+  /// The options that it was opened with.
   const Options& options() const noexcept;
 
  private:
