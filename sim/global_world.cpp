@@ -10,6 +10,7 @@
 #include "rt/haptics/coupling/snapshot_bytes.h"
 #include "rt/physics/macro_steps.h"
 #include "sim/model/scene_effects.h"
+#include "sim/model/step_settings.h"
 #include "sim/model/world_capacities.h"
 
 namespace tactus::sim {
@@ -29,16 +30,12 @@ constexpr double kWrenchExtrapolation = 0.9;
 // With more bodies awake, a step is taken in one macro step.
 constexpr std::size_t kMaxBodiesInMacroSteps = 500;
 
+// The sub-steps of the global step may be longer than those of the haptic thread: more relax sweeps may be needed.
 physics::StepSettings settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
-  physics::StepSettings settings;
-  settings.dt = options.reach.ratio * options.reach.tick_period_s;
-  settings.sub_steps = scene.solver.global_sub_steps(options.reach.ratio);
-  settings.contact_hertz = scene.solver.contact_hertz;
+  physics::StepSettings settings = step_settings(scene, options.reach.ratio * options.reach.tick_period_s,
+                                                 scene.solver.global_sub_steps(options.reach.ratio));
   settings.relax_sweeps = std::max(
-      scene.solver.relax_sweeps, physics::least_relax_sweeps(settings.contact_hertz, settings.dt / settings.sub_steps));
-  settings.friction_sweeps = scene.solver.friction_sweeps;
-  settings.contact_damping_ratio = scene.solver.contact_damping_ratio;
-  choose_effects(scene, settings);
+      settings.relax_sweeps, physics::least_relax_sweeps(settings.contact_hertz, settings.dt / settings.sub_steps));
   return settings;
 }
 

@@ -17,9 +17,9 @@ IslandManager::IslandManager(const SleepRule& rule, const World& world, std::uin
       slow_steps_(bodies_.size(), 0),
       island_of_(bodies_.size(), kAwake),
       next_body_(bodies_.size(), kNoBodyIndex),
-      first_parked_(bodies_.size(), kNone),
+      first_sleeping_(bodies_.size(), kNone),
       is_marked_(bodies_.size(), 0),
-      max_parked_(rule.enabled ? max_contacts : 0),
+      max_sleeping_(rule.enabled ? max_contacts : 0),
       grid_(static_cast<std::uint32_t>(rule.enabled ? bodies_.size() : 0)),
       parents_(bodies_.size()) {
   for (const BodyIndex body : bodies_.indices()) awake_[number_of(body)] = body;
@@ -30,7 +30,7 @@ IslandManager::IslandManager(const SleepRule& rule, const World& world, std::uin
   woken_.reserve(bodies_.size());
   merge_.reserve(bodies_.size());
   returning_.reserve(bodies_.size());
-  sleeping_contacts_.reserve(max_parked_);
+  sleeping_contacts_.reserve(max_sleeping_);
 }
 
 std::optional<BodyIndex> IslandManager::index_of(BodyId id) const noexcept {
@@ -78,11 +78,11 @@ bool IslandManager::wake_marked(World& world) noexcept {
       slow_steps_[body] = 0;
       grid_.remove(number_of(body));
     }
-    for (std::uint32_t at = first_parked_[island]; at != kNone;) {
+    for (std::uint32_t at = first_sleeping_[island]; at != kNone;) {
       (void)world.add_warm_start(sleeping_contacts_[at].warm_start);  // if it does not fit, the contact starts cold
       const std::uint32_t next = sleeping_contacts_[at].next;
-      sleeping_contacts_[at].next = free_parked_;
-      free_parked_ = at;
+      sleeping_contacts_[at].next = free_sleeping_;
+      free_sleeping_ = at;
       at = next;
     }
   }
@@ -198,7 +198,7 @@ void IslandManager::put_body_to_sleep(BodyIndex at, BodyIndex island, const Sett
   island_of_[at] = island;
   if (at == island) {
     next_body_[island] = kNoBodyIndex;
-    first_parked_[island] = kNone;
+    first_sleeping_[island] = kNone;
   } else {
     next_body_[at] = next_body_[island];
     next_body_[island] = at;
@@ -207,16 +207,16 @@ void IslandManager::put_body_to_sleep(BodyIndex at, BodyIndex island, const Sett
 }
 
 void IslandManager::store_contact(const physics::Contact& contact, BodyIndex island, double sub_step_s) noexcept {
-  std::uint32_t at = free_parked_;
+  std::uint32_t at = free_sleeping_;
   if (at != kNone) {
-    free_parked_ = sleeping_contacts_[at].next;
+    free_sleeping_ = sleeping_contacts_[at].next;
   } else {
-    if (sleeping_contacts_.size() == max_parked_) return;
+    if (sleeping_contacts_.size() == max_sleeping_) return;
     at = static_cast<std::uint32_t>(sleeping_contacts_.size());
     sleeping_contacts_.emplace_back();
   }
-  sleeping_contacts_[at] = {World::warm_start_of(contact, sub_step_s), first_parked_[island]};
-  first_parked_[island] = at;
+  sleeping_contacts_[at] = {World::warm_start_of(contact, sub_step_s), first_sleeping_[island]};
+  first_sleeping_[island] = at;
 }
 
 // --- diagnostics

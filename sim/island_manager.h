@@ -89,13 +89,13 @@ class IslandManager {
   BodyVector<std::uint32_t> slow_steps_;  // consecutive slow steps, at most SleepRule::steps
 
   // An island is identified by its lowest body, the first of its linked list.
-  BodyVector<BodyIndex> island_of_;         // its island; kAwake
-  BodyVector<BodyIndex> next_body_;         // the next of its island; kNoBodyIndex
-  BodyVector<std::uint32_t> first_parked_;  // of an island: its first sleeping contact; kNone
-  BodyVector<std::uint8_t> is_marked_;      // of an island: 1 if in marked_
+  BodyVector<BodyIndex> island_of_;           // its island; kAwake
+  BodyVector<BodyIndex> next_body_;           // the next of its island; kNoBodyIndex
+  BodyVector<std::uint32_t> first_sleeping_;  // of an island: its first sleeping contact; kNone
+  BodyVector<std::uint8_t> is_marked_;        // of an island: 1 if in marked_
   std::vector<SleepingContact> sleeping_contacts_;
-  std::size_t max_parked_;
-  std::uint32_t free_parked_{kNone};
+  std::size_t max_sleeping_;
+  std::uint32_t free_sleeping_{kNone};
   BoxGrid grid_;
 
   std::vector<std::uint32_t> parents_;             // by slot: union-find parents; scratch

@@ -48,7 +48,6 @@ void run_periodic(C& clock, const LoopSettings& settings, std::int64_t first_ns,
   TACTUS_CHECK(period_ns > 0, period_ns, 0);
   TickTiming timing;
   timing.health = &health;
-  std::int64_t cpu_before_ns = clock.thread_cpu_ns();
   for (bool go = true; go;) {
     timing.scheduled_ns = first_ns + static_cast<std::int64_t>(timing.deadline) * period_ns;
     clock.sleep_until_ns(timing.scheduled_ns);
@@ -57,17 +56,13 @@ void run_periodic(C& clock, const LoopSettings& settings, std::int64_t first_ns,
 
     go = tick(timing);
 
-    const std::int64_t ended_ns = clock.now_ns(), cpu_ns = clock.thread_cpu_ns();
+    const std::int64_t ended_ns = clock.now_ns();
     const std::int64_t wake_latency_ns = timing.woke_ns - timing.scheduled_ns;
     timing.last_execution_ns = ended_ns - timing.woke_ns;
     health.wake_latency.record(wake_latency_ns);
     health.execution.record(timing.last_execution_ns);
     if (wake_latency_ns > settings.late_wake_ns) ++health.late_wakes;
-    if (ended_ns > timing.scheduled_ns + period_ns) {
-      ++health.overruns;
-      if (cpu_ns - cpu_before_ns < period_ns) ++health.overruns_by_machine;
-    }
-    cpu_before_ns = cpu_ns;
+    if (ended_ns > timing.scheduled_ns + period_ns) ++health.overruns;
     const std::uint64_t next = next_deadline(timing.deadline, ended_ns - first_ns, period_ns);
     timing.skipped = next - timing.deadline - 1;
     health.skipped_ticks += timing.skipped;

@@ -13,20 +13,15 @@
 namespace tactus::loop {
 
 struct TimingHealth {
-  Histogram wake_latency;     // woken - scheduled
-  Histogram execution;        // from woken to the end of the tick
-  std::uint64_t ticks{0};     // executed
-  std::uint64_t overruns{0};  // ticks that ended after the next deadline; counted once, however long
-  // Overruns whose thread ran for less than a period since the end of the tick before: it woke late or was preempted. A
-  // core that stops without the kernel's knowledge (firmware, a virtual machine's host) counts as running.
-  std::uint64_t overruns_by_machine{0};
+  Histogram wake_latency;          // woken - scheduled
+  Histogram execution;             // from woken to the end of the tick
+  std::uint64_t ticks{0};          // executed
+  std::uint64_t overruns{0};       // ticks that ended after the next deadline; counted once, however long
   std::uint64_t skipped_ticks{0};  // deadlines without a tick
   std::uint64_t late_wakes{0};     // wake latency above LoopSettings::late_wake_ns
   // Of the loop's thread between the first tick and the end. The real-time contract requires 0 page faults.
   std::uint64_t minor_faults{0}, major_faults{0};
   std::uint64_t involuntary_switches{0};  // preempted by another thread
-
-  std::uint64_t overruns_by_work() const noexcept { return overruns - overruns_by_machine; }
 };
 
 struct TickTiming {

@@ -1,6 +1,9 @@
 #include "sim/model/world_capacities.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
+#include <vector>
 
 namespace tactus::sim {
 namespace {
@@ -9,9 +12,12 @@ using physics::Body;
 using physics::BodyKind;
 
 // A packed cube has 26 neighbours, 13 pairs to each body, and touches 6, 3 contacts to each body: room for 1.2 and 2.7
-// times that.
+// times that. A sub-world's members may be those with the most neighbours.
 constexpr std::uint32_t kPairsPerBody = 16;
 constexpr std::uint32_t kContactsPerBody = 8;
+constexpr std::uint32_t kContactsPerMember = 10;
+constexpr std::uint32_t kMorePairs = 64;  // for a sub-world of few members
+constexpr std::uint32_t kMoreContacts = 32;
 constexpr std::uint32_t kMinPairs = 256;
 constexpr std::uint32_t kMinContacts = 256;
 // On a mesh: patches near a body, and triangles near a body.
@@ -31,6 +37,23 @@ std::uint32_t count_parts(const Scene& scene) noexcept {
   return parts;
 }
 
+// The parts of that many bodies, those with the most parts.
+std::uint32_t most_parts(const Scene& scene, std::uint32_t members) {
+  std::vector<std::uint32_t> parts;
+  for (const Body& body : scene.bodies)
+    if (body.kind == BodyKind::kDynamic) parts.push_back(physics::parts_of(body.shape, scene.compounds));
+  std::sort(parts.begin(), parts.end(), std::greater<>());
+  if (parts.size() < members) parts.resize(members, 1);
+  return std::accumulate(parts.begin(), parts.begin() + members, 0u);
+}
+
+// For bodies of that many parts on meshes.
+void add_meshes(const Scene& scene, std::uint32_t parts, physics::Capacities& capacities) noexcept {
+  if (scene.meshes.empty()) return;
+  capacities.pairs += kPatchesPerBody * parts;
+  capacities.mesh_triangles = kTrianglesPerBody * parts + physics::kMaxBodyTriangles;
+}
+
 }  // namespace
 
 physics::Capacities capacities_for(const Scene& scene) noexcept {
@@ -40,9 +63,18 @@ physics::Capacities capacities_for(const Scene& scene) noexcept {
                                  .pairs = std::max(kMinPairs, kPairsPerBody * parts),
                                  .contacts = std::max(kMinContacts, kContactsPerBody * parts),
                                  .border_contacts = 0};
-  if (scene.meshes.empty()) return capacities;
-  capacities.pairs += kPatchesPerBody * parts;
-  capacities.mesh_triangles = kTrianglesPerBody * parts + physics::kMaxBodyTriangles;
+  add_meshes(scene, parts, capacities);
+  return capacities;
+}
+
+physics::Capacities member_capacities(const Scene& scene, std::uint32_t members) {
+  const std::uint32_t parts = most_parts(scene, members);
+  physics::Capacities capacities{.bodies = members,
+                                 .fixed_bodies = std::max(1u, count_bodies(scene, BodyKind::kFixed)),
+                                 .pairs = kPairsPerBody * parts + kMorePairs,
+                                 .contacts = kContactsPerMember * parts + kMoreContacts,
+                                 .border_contacts = 0};
+  add_meshes(scene, parts, capacities);
   return capacities;
 }
 

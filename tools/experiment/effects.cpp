@@ -11,6 +11,8 @@
 #include "sim/broad_phase/pair_grid.h"
 #include "sim/loader/scene_load.h"
 #include "sim/model/scene_effects.h"
+#include "sim/model/step_settings.h"
+#include "sim/model/world_capacities.h"
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
@@ -28,15 +30,9 @@ constexpr std::uint32_t kTimedParts = 6;
 class TickedWorld {
  public:
   explicit TickedWorld(const sim::Scene& scene)
-      : world_(capacities_of(scene), scene.shapes(), sim::effect_setups(scene)),
+      : world_(sim::capacities_for(scene), scene.shapes(), sim::effect_setups(scene)),
+        settings_(sim::step_settings(scene, kTick_s, scene.solver.sub_steps)),
         grid_(static_cast<std::uint32_t>(scene.bodies.size())) {
-    settings_.dt = kTick_s;
-    settings_.sub_steps = scene.solver.sub_steps;
-    settings_.relax_sweeps = scene.solver.relax_sweeps;
-    settings_.contact_hertz = scene.solver.contact_hertz;
-    settings_.friction_sweeps = scene.solver.friction_sweeps;
-    settings_.contact_damping_ratio = scene.solver.contact_damping_ratio;
-    sim::choose_effects(scene, settings_);
     for (const auto& body : scene.bodies) TACTUS_CHECK(world_.insert(body), body.id, scene.bodies.size());
     world_.index_fixed_bodies();
   }
@@ -47,20 +43,6 @@ class TickedWorld {
   }
 
  private:
-  static physics::Capacities capacities_of(const sim::Scene& scene) {
-    const auto bodies = static_cast<std::uint32_t>(scene.bodies.size());
-    physics::Capacities capacities{.bodies = bodies,
-                                   .fixed_bodies = bodies,
-                                   .pairs = 16 * bodies + 256,
-                                   .contacts = 10 * bodies + 64,
-                                   .border_contacts = 0};
-    if (!scene.meshes.empty()) {
-      capacities.pairs += 16 * bodies;
-      capacities.mesh_triangles = 64 * bodies + physics::kMaxBodyTriangles;
-    }
-    return capacities;
-  }
-
   physics::World world_;
   physics::StepSettings settings_;
   sim::PairGrid grid_;

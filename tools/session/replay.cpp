@@ -40,7 +40,7 @@ std::string describe_difference(const TickOutput& taped, const TickOutput& repla
     return vector("torque [N m]", t.command.wrench.torque, r.command.wrench.torque);
   if (t.status != r.status) return number("status bits", t.status, r.status);
   if (t.cut_sweep != r.cut_sweep) return number("cut sweep", t.cut_sweep, r.cut_sweep);
-  return "the books (energies, counts, target)";
+  return "energies, counts and the device's target";
 }
 
 class Replayer {

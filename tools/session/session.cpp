@@ -13,6 +13,8 @@
 #include "sim/loader/scene_load.h"
 #include "sim/model/choice_names.h"
 #include "sim/model/scene_effects.h"
+#include "sim/model/step_settings.h"
+#include "sim/model/world_capacities.h"
 #include "tools/session/arm_gate.h"
 #include "tools/session/find_description.h"
 #include "tools/session/scheme_gains.h"
@@ -59,45 +61,6 @@ unsigned sub_steps_of(const sim::Scene& scene, const RunOptions& options) {
   if (options.accuracy == Accuracy::kFast)
     return std::min(written, std::max(written / 2, least_sub_steps(scene, options)));
   return options.accuracy == Accuracy::kAccurate ? 2 * written : written;
-}
-
-physics::StepSettings step_settings(const sim::Scene& scene, const RunOptions& options) {
-  physics::StepSettings step;
-  step.dt = options.period_s();
-  step.sub_steps = sub_steps_of(scene, options);
-  step.relax_sweeps = scene.solver.relax_sweeps;
-  step.contact_hertz = scene.solver.contact_hertz;
-  step.friction_sweeps = scene.solver.friction_sweeps;
-  step.contact_damping_ratio = scene.solver.contact_damping_ratio;
-  sim::choose_effects(scene, step);
-  return step;
-}
-
-// The parts of that many bodies, those with the most parts.
-std::uint32_t most_parts(const sim::Scene& scene, std::uint32_t members) {
-  std::vector<std::uint32_t> parts;
-  for (const auto& body : scene.bodies)
-    if (body.kind == physics::BodyKind::kDynamic) parts.push_back(physics::parts_of(body.shape, scene.compounds));
-  std::sort(parts.begin(), parts.end(), std::greater<>());
-  if (parts.size() < members) parts.resize(members, 1);
-  return std::accumulate(parts.begin(), parts.begin() + members, 0u);
-}
-
-// Capacities for that many members: a packed cube has up to 26 neighbours, each pair counted once. A compound counts as
-// many members as it has parts.
-physics::Capacities sub_world_capacities(const sim::Scene& scene, std::uint32_t members) {
-  physics::Capacities capacities;
-  const std::uint32_t parts = most_parts(scene, members);
-  capacities.bodies = members;
-  capacities.fixed_bodies = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(fixed_bodies_of(scene).size()));
-  capacities.pairs = 16 * parts + 64;
-  capacities.contacts = 10 * parts + 32;
-  capacities.border_contacts = haptics::kMaxBorderPoints;
-  if (!scene.meshes.empty()) {  // a body may touch several patches and be near many triangles
-    capacities.pairs += 16 * parts;
-    capacities.mesh_triangles = 64 * parts + physics::kMaxBodyTriangles;
-  }
-  return capacities;
 }
 
 haptics::DevicePlacement::Config placement_of(const sim::Scene& scene, const haptics::DeviceProperties& device) {
@@ -190,11 +153,12 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   sub.border_mode = options.border;
   sub.ratio = ratio_of(scene, options);
   sub.proxy = scene.proxy;
-  sub.step = step_settings(scene, options);
+  sub.step = sim::step_settings(scene, options.period_s(), sub_steps_of(scene, options));
   sub.gains = gains_of(scene, options, device).gains;
   sub.shapes = scene.shapes();
   sub.effects = sim::effect_setups(scene);
-  sub.capacities = sub_world_capacities(scene, members_of(scene, options));
+  sub.capacities = sim::member_capacities(scene, members_of(scene, options));
+  sub.capacities.border_contacts = haptics::kMaxBorderPoints;
   return config;
 }
 

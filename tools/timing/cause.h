@@ -5,8 +5,8 @@
 // interrupts per core. If none was counted although time passed, the cause is below the kernel (host, firmware, the
 // other hardware thread of the core). This is inferred, not observed, so the evidence is always given. If the kernel's
 // osnoise events are read (os_noise.h), they state what used the core and for how long, and decide between the last
-// three. Pure: the same figures give the same cause. Thread:
-// [any].
+// three. Pure: the same figures give the same cause.
+// Thread: [any].
 #pragma once
 
 #include <concepts>

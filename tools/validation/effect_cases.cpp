@@ -14,10 +14,10 @@ using physics::EffectSetups;
 using physics::Joint;
 using physics::JointKind;
 
-template <class Room>
-EffectSetups with(const typename Room::Setup& setup) {
+template <class EffectType>
+EffectSetups with(const typename EffectType::Setup& setup) {
   EffectSetups setups;
-  std::get<typename Room::Setup>(setups) = setup;
+  std::get<typename EffectType::Setup>(setups) = setup;
   return setups;
 }
 

@@ -225,7 +225,7 @@ Outcome late_world(const Setting& setting) {
 
 // Scene reset at 1.5 s: with the hand on a cube, and with the hand at the initial position of a cube that it has pushed
 // away.
-Outcome begins_anew(const Setting& setting) {
+Outcome reset_in_contact(const Setting& setting) {
   const std::string pressed_cube = cube({0, 0, 0.05}, 0.1, 1, 0.5);
   const std::vector<Waypoint> press{{0, {0, 0, 0.115}},   {0.5, {0, 0, 0.104}}, {2.2, {0, 0, 0.104}},
                                     {2.5, {0, 0, 0.115}}, {3.0, {0, 0, 0.098}}, {3.1, {0, 0, 0.098}}};
@@ -246,7 +246,7 @@ Outcome begins_anew(const Setting& setting) {
               off = std::max(off, norm(body.motion.pose.position - session.scene.bodies[body.id].motion.pose.position));
         });
     gate(watched, outcome);
-    outcome.holds("begins anew", begun);
+    outcome.holds("is reset", begun);
     most = std::max(most, watched.largest_step());
     double least = norm(watched.force[1500]);
     outcome.holds("the hand is in contact", least > 1);
@@ -262,7 +262,7 @@ Outcome begins_anew(const Setting& setting) {
   }
   outcome.at_most("largest step of the force, N", most, kMaxSlew_N * (1 + 1e-9));
   outcome.at_most("step when the force comes back, N", back, 0.1);
-  outcome.at_most("rise of the force while the scene begins anew, N", rise, 1e-3);
+  outcome.at_most("rise of the force while the scene is reset, N", rise, 1e-3);
   outcome.at_most("off the scene's places, m", off, 1e-12);
   return outcome;
 }
@@ -423,7 +423,7 @@ std::vector<HardCase> session_cases() {
       {35, "members come and go", false, thrash},
       {36, "heap larger than the sub-world", false, full_sub_world},
       {37, "late global world", false, late_world},
-      {38, "scene begins anew in mid-contact", false, begins_anew},
+      {38, "scene is reset in mid-contact", false, reset_in_contact},
       {41, "tap on a stack that sleeps", false, tap_on_sleepers},
   };
 }

@@ -42,10 +42,10 @@ struct EffectBench {
   BodyMotion& motion(BodyId id) { return world.find(id)->motion; }
 };
 
-template <class Room>
-EffectSetups with(const typename Room::Setup& setup) {
+template <class EffectType>
+EffectSetups with(const typename EffectType::Setup& setup) {
   EffectSetups setups;
-  std::get<typename Room::Setup>(setups) = setup;
+  std::get<typename EffectType::Setup>(setups) = setup;
   return setups;
 }
 
@@ -111,7 +111,7 @@ TEST_CASE("Drag slows by 1 / v = 1 / v0 + k t exactly, towards the flow, and a f
   }
 }
 
-TEST_CASE("A kinematic body goes its way through what stands on it, and carries it along") {
+TEST_CASE("A kinematic body moves as prescribed under what stands on it, and carries it along") {
   const std::vector<KinematicScript> scripts{{1, 0, 0, false}};
   EffectBench bench(with<ScriptedMotion>({scripts, {}}));
   auto platform = make_dynamic_body(1, Shape::box({0.5, 0.5, 0.05}), 1e-3, 0.8, {{0, 0, -0.05}, {}});
