@@ -3,9 +3,9 @@
 // Thread: open(), start(), call() [setup] and normal threads; the rest [rt], by the haptic thread alone. call() uses a
 // socket of its own. A thread of normal priority rebinds the socket when the interface disappears and returns (an
 // adapter that is unplugged); the haptic thread picks the new socket up with one atomic read.
-// Bound: receive() reads at most kMaxFrames frames and waits at most Options::wait for the rest of an incomplete
-// state, in at most kMaxWakes pieces; a babbling node costs at most those frames (the kernel filters identifiers of
-// other nodes). send() is one or two system calls that return at once.
+// Bound: receive() reads at most kMaxFrames frames, then waits at most Options::wait for the rest of an incomplete
+// state, in at most kMaxWakes pieces, and reads at most kMaxFrames frames after each; a babbling node costs at most
+// those frames (the kernel filters identifiers of other nodes). send() is one or two system calls that return at once.
 // Beyond the bounds and on failures: frames that the kernel drops because its queue is full are counted; it drops the
 // newest, and the next receive() sees what comes after. Interface down, gone, or bus-off: disconnected, counted, and
 // connected again with the next state frame. If the bus accepts no frames, a few commands are queued, then send()

@@ -174,7 +174,7 @@ struct WatchedPort final : FalconPort {
 };
 
 bool becomes(const std::atomic<bool>& flag, bool wanted) {
-  for (int i = 0; i < 60'000 && flag.load() != wanted; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (int i = 0; i < 2000 && flag.load() != wanted; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return flag.load() == wanted;
 }
 
@@ -191,7 +191,7 @@ TEST_CASE("falcon: its thread ends the force when the loop stops, and when the d
   command.wanted = DeviceState::kForce;
   command.wrench.force = {2, 0, 0};
   const auto push = [&] {
-    for (int i = 0; i < 60'000 && !has_force.load(); ++i) {
+    for (int i = 0; i < 2000 && !has_force.load(); ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       device->read(input);
       ++command.sequence;

@@ -60,11 +60,22 @@ TEST_CASE("a profile's properties give the motion of its simulated mechanics") {
   }
 }
 
-TEST_CASE("a profile has the name of its description, in which there is no mistake") {
+TEST_CASE("a profile has the name and the limits of its description, in which there is no mistake") {
   for (const DeviceProfile& p : all_profiles()) {
     CAPTURE(p.name);
     const DeviceDescription& d = p.description;
     CHECK(p.name == d.name);
+    CHECK(p.properties.mass_kg == d.mass_kg);
+    CHECK(p.properties.inertia_kg_m2 == d.inertia_kg_m2);
+    CHECK(p.properties.damping_Ns_per_m == d.damping_Ns_per_m);
+    CHECK(p.properties.damping_Nms_per_rad == d.damping_Nms_per_rad);
+    CHECK(p.properties.coulomb_friction_N == d.coulomb_friction_N);
+    CHECK(p.properties.coulomb_friction_Nm == d.coulomb_friction_Nm);
+    CHECK(p.properties.max_force_N == d.peak_force_N);
+    CHECK(p.properties.max_torque_Nm == d.peak_torque_Nm);
+    CHECK(p.properties.continuous_force_N == d.continuous_force_N);
+    CHECK(p.properties.continuous_torque_Nm == d.continuous_torque_Nm);
+    CHECK(p.properties.max_speed_m_per_s == d.max_speed_m_per_s);
     CHECK(find_mistake(d).table == nullptr);
   }
 }

@@ -30,7 +30,8 @@ constexpr std::uint32_t kTimedParts = 6;
 class TickedWorld {
  public:
   explicit TickedWorld(const sim::Scene& scene)
-      : world_(sim::capacities_for(scene), scene.shapes(), sim::effect_setups(scene)),
+      : world_(sim::member_capacities(scene, static_cast<std::uint32_t>(scene.bodies.size())), scene.shapes(),
+               sim::effect_setups(scene)),
         settings_(sim::step_settings(scene, kTick_s, scene.solver.sub_steps)),
         grid_(static_cast<std::uint32_t>(scene.bodies.size())) {
     for (const auto& body : scene.bodies) TACTUS_CHECK(world_.insert(body), body.id, scene.bodies.size());

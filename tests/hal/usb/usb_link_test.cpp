@@ -16,7 +16,7 @@ namespace {
 // Until `holds`; the bound is for a test that fails.
 template <class F>
 bool soon(F&& holds) {
-  for (int i = 0; i < 60'000; ++i) {
+  for (int i = 0; i < 5'000; ++i) {
     if (holds()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
