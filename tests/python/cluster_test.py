@@ -13,6 +13,7 @@ import time
 import unittest
 
 import bench
+from long import long
 
 if importlib.util.find_spec("distributed") is None:
     bench.skip("no Dask distributed (Debian: python3-distributed)")
@@ -164,6 +165,7 @@ class Cluster(unittest.TestCase):
         self.assertEqual((report["units"], report["run"], report["failed"]), (20, 20, 0))
         self.expect_the_table_of_one_process("cluster.csv")
 
+    @long
     def test_a_scheduler_that_was_killed_is_waited_for(self):
         self.write(1.0, 20)
         scheduler = self.scheduler()
@@ -187,6 +189,7 @@ class Cluster(unittest.TestCase):
         self.assertEqual((report["run"], report["failed"]), (20, 0))  # each ended unit once
         self.expect_the_table_of_one_process("cluster.csv")
 
+    @long
     def test_a_worker_of_another_build_is_turned_away(self):
         self.write(0.1, 12)
         self.scheduler()
@@ -203,6 +206,7 @@ class Cluster(unittest.TestCase):
         self.assertEqual((report["run"], report["failed"], report["workers"]), (12, 0, 1))
         self.expect_the_table_of_one_process("cluster.csv")
 
+    @long
     def test_an_experiment_there_has_the_figures_of_one_process(self):
         self.scheduler()
         for _ in range(2):
@@ -218,6 +222,7 @@ class Cluster(unittest.TestCase):
         self.assertIn("no scheduler answers", report["error"])
         self.assertEqual(said.count("\n"), 1, said)
 
+    @long
     def test_what_a_unit_costs_is_said(self):
         self.write(0.02, 60)
         self.scheduler()

@@ -10,6 +10,7 @@ import unittest
 
 import bench
 import tactus
+from long import long
 
 EXAMPLES = os.path.join(bench.SOURCE, "tools", "examples")
 
@@ -68,6 +69,7 @@ class Examples(unittest.TestCase):
         ratio = float(re.search(r"ratio (\d+\.\d+)", out).group(1))
         self.assertAlmostEqual(ratio, 1, delta=0.05)
 
+    @long
     def test_the_study_goes_on_after_a_break(self):
         whole, broken = self.at("whole"), self.at("broken")
         example("stiffness_discrimination.py", "--simulated", "--folder", whole)

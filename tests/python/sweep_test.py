@@ -13,6 +13,7 @@ import time
 import unittest
 
 import bench
+from long import long
 
 GAINS = os.path.join(bench.SOURCE, "tools", "examples", "gains.toml")
 SMALL = """
@@ -264,6 +265,7 @@ exec {bench.PROGRAM} "$@"
         self.assertEqual(done.returncode, status, done.stderr)
         return done
 
+    @long
     def test_an_experiment_by_workers_has_the_figures_of_one_process(self):
         shutil.copy(bench.scene("card_house"), self.at("cards.toml"))
         whole = ("--seeds", 0, "--whole", 1, "--scene", "press.toml", "--scene", "cards.toml", "--members", "8,16",
@@ -277,6 +279,7 @@ exec {bench.PROGRAM} "$@"
                 self.assertEqual(json.loads(spread), json.loads(alone))
         self.assertEqual(glob.glob(self.at("tactus-parts-*")), [])
 
+    @long
     def test_accuracy_cost_by_workers_has_the_errors_of_one_process(self):
         command = ("accuracy-cost", "--quick", "--scenes", "press", "--seeds", 2, "--json")
         reports = [json.loads(self.experiment(*command, *more).stdout) for more in ((), ("--workers", 2))]
@@ -431,6 +434,7 @@ case "$*" in *--version*) echo fake;; *"--part 1") exit 2;; *) printf x;; esac
         for address in ("tcp://localhost", "tcp://localhost:x", "tcp://localhost:99999", "tcp://[::1", "localhost:8786", "tcp://"):
             self.assertIn("is no address", self.sweep(sweep, "--scheduler", address, status=2)["error"])
 
+    @long
     def test_what_a_unit_costs_beyond_its_run(self):
         sweep = self.write("small.toml", SMALL % 40)
         report = self.sweep(sweep, "--workers", 1)

@@ -5,7 +5,7 @@
 
 using namespace tactus;
 using namespace tactus::sim;
-using namespace tactus::sim::test;
+using namespace tactus::sim::support;
 using physics::Shape;
 
 namespace {
@@ -225,7 +225,7 @@ TEST_CASE("a ball on the edge of a mesh box is pushed as by the box itself") {
     const double distance = norm(p - nearest);
     if (distance < 1e-3) continue;
     const Shape ball = Shape::sphere(distance + random(-2e-4, 1e-3));
-    const auto expected = physics::test::touch(ball, {p, {}}, box, {}, 5e-4);
+    const auto expected = physics::support::touch(ball, {p, {}}, box, {}, 5e-4);
     REQUIRE(expected.count == 1);
     // The patches' manifolds: those that there are agree, and there is one at least; an edge has one owner.
     int found = 0;

@@ -9,7 +9,7 @@
 
 using namespace tactus;
 using namespace tactus::sim;
-using namespace tactus::sim::test;
+using namespace tactus::sim::support;
 using physics::Shape;
 using tactus::test::Random;
 

@@ -4,10 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 namespace tactus::test {
 
@@ -27,9 +29,9 @@ inline CommandOutput run_command(const std::string& command) {
   return output;
 }
 
-// A program that runs until it is told to stop: as soon as it has printed `text`, it gets SIGTERM. One that never
-// prints it runs until ctest's own time limit.
-inline CommandOutput run_until(const std::string& text, const std::string& command) {
+// A program that runs until it is told to stop: as soon as it has printed all `texts`, it gets SIGTERM. One that never
+// prints them runs until ctest's own time limit.
+inline CommandOutput run_until(const std::vector<std::string>& texts, const std::string& command) {
   int ends[2];
   REQUIRE(pipe(ends) == 0);
   const pid_t program = fork();
@@ -47,8 +49,8 @@ inline CommandOutput run_until(const std::string& text, const std::string& comma
   char buffer[4096];
   for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;) {
     output.out.append(buffer, static_cast<std::size_t>(n));
-    if (told || output.out.find(text) == std::string::npos) continue;
-    told = kill(program, SIGTERM) == 0;
+    const auto printed = [&](const std::string& text) { return output.out.find(text) != std::string::npos; };
+    if (!told && std::all_of(texts.begin(), texts.end(), printed)) told = kill(program, SIGTERM) == 0;
   }
   close(ends[0]);
   int status = 0;

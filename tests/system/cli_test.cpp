@@ -40,7 +40,7 @@ const std::string kScenes = TACTUS_SOURCE_DIR "/sim/scenes/";
 
 }  // namespace
 
-TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 2") {
+TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 2", "[slow]") {
   const struct {
     const char *arguments, *says;
   } cases[] = {
@@ -105,7 +105,8 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
   }
 }
 
-TEST_CASE("with --json bad usage and input are one object with the error, and the same line and status as without") {
+TEST_CASE("with --json bad usage and input are one object with the error, and the same line and status as without",
+          "[slow]") {
   for (const std::string arguments :
        {"run", "run /nowhere.toml", "run --config /nowhere.toml", "run --accuracy best /nowhere.toml",
         "replay /nowhere.tape", "export /nowhere.tape --csv /nowhere.csv", "control state --socket /nowhere",
@@ -280,11 +281,11 @@ TEST_CASE("a service that is told to stop ends well, where a run with a latched 
   std::ofstream(config) << "scene = \"" << kScenes << "stack20.toml\"\n[control]\nsocket = \"" << temporary(".sock")
                         << "\"\n";
   const std::string faulting = std::string(TACTUS_PROGRAM) + " run --inject unplugged@200 ";
-  const auto service = tactus::test::run_until("fault code=", faulting + "--config " + config + " 2>&1");
+  const auto service = tactus::test::run_until({"fault code="}, faulting + "--config " + config + " 2>&1");
   INFO(service.out);
   CHECK(service.exit_code == 0);
   CHECK_THAT(service.out, Contains("device unplugged"));
-  const auto by_hand = tactus::test::run_until("FAULT at ", faulting + kScenes + "stack20.toml 2>&1");
+  const auto by_hand = tactus::test::run_until({"FAULT at "}, faulting + kScenes + "stack20.toml 2>&1");
   INFO(by_hand.out);
   CHECK(by_hand.exit_code == 1);
   std::filesystem::remove(config);

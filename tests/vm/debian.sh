@@ -24,9 +24,8 @@ prepare_debian() {
   codename=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
   mapfile -t sources < <(debian_sources)
   # What a machine has beside Debian's smallest set and what the package itself depends on; of what it suggests, what
-  # draws its pages: 1 GB of 1.2 GB, so not with --quick.
-  packages=(systemd-sysv udev)
-  if [[ -z $quick ]]; then packages+=(python3-matplotlib); fi
+  # draws its pages.
+  packages=(systemd-sysv udev python3-matplotlib)
   mapfile -t -O "${#packages[@]}" packages < <(dependencies_of "$1")
   version=$(apt-cache madison systemd 2>/dev/null | awk -F' *[|] *' 'NR == 1 { print $2 }')
   key=$( (cat "$bench/debian.sh"; echo "${packages[@]}") | sha256sum | cut -c1-12)

@@ -3,7 +3,7 @@
 
 using namespace tactus;
 using namespace tactus::sim;
-using namespace tactus::sim::test;
+using namespace tactus::sim::support;
 using physics::EdgeKind;
 using physics::Mesh;
 

@@ -7,7 +7,7 @@
 
 using namespace tactus;
 using namespace tactus::sim;
-using namespace tactus::sim::test;
+using namespace tactus::sim::support;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -9,9 +9,9 @@
 #include "sim/geometry/mesh_builder.h"
 #include "tests/rt/physics/collision/collide_support.h"
 
-namespace tactus::sim::test {
+namespace tactus::sim::support {
 
-using physics::test::Random;
+using tactus::test::Random;
 
 inline constexpr double kGravity = 9.81;
 
@@ -107,4 +107,4 @@ struct MeshBench {
   physics::StepReport report;
 };
 
-}  // namespace tactus::sim::test
+}  // namespace tactus::sim::support

@@ -9,7 +9,9 @@
 
 #include "tools/doctor/examine.h"
 
-namespace tactus::doctor {
+using namespace tactus;
+using namespace tactus::doctor;
+
 namespace {
 
 // A tree in the temporary folder, gone with the object. It begins as a PC as it should be, cpu 3 for the loop.
@@ -392,5 +394,3 @@ TEST_CASE("On this machine every check finds something to say") {
     CHECK(finding.cure.empty() == (finding.verdict == Verdict::kGreen));
   }
 }
-
-}  // namespace tactus::doctor

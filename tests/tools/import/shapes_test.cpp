@@ -199,7 +199,7 @@ TEST_CASE("defaults, includes and copies are MuJoCo's") {
   CHECK(loaded(made).bodies[1].mass == Approx(0.6).epsilon(1e-12));
 }
 
-TEST_CASE("a concave file becomes its hull, with the gap, or pieces, within the deviation") {
+TEST_CASE("a concave file becomes its hull, with the gap, or pieces, within the deviation", "[slow]") {
   TACTUS_NEEDS(kHasAssimp, "no assimp in this build (Debian: libassimp-dev)");
   TACTUS_NEEDS(kHasHacd, "no HACD in this build (Debian: libbullet-extras-dev)");
   auto options = options_for(kModels / "bracket.obj");

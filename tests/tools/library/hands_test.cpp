@@ -133,7 +133,8 @@ TEST_CASE("each hand has its members, and a body is of one sub-world at most") {
   CHECK(holders == std::vector<unsigned>{0, 1});
 }
 
-TEST_CASE("a saved state of two hands continues with the same ticks, before and after the part changed hands") {
+TEST_CASE("a saved state of two hands continues with the same ticks, before and after the part changed hands",
+          "[slow]") {
   const std::uint64_t at = GENERATE(937u, 1733u);
   Options options;
   options.more_injects = {"lost@1800+3"};
@@ -178,7 +179,7 @@ TEST_CASE("a state saved before or while all hands reset their scene continues a
   for (unsigned hand = 0; hand < 2; ++hand) CHECK(same(ticks_of(session, hand), first[hand]));
 }
 
-TEST_CASE("a reset gives both hands the same bits again, in the same memory") {
+TEST_CASE("a reset gives both hands the same bits again, in the same memory", "[slow]") {
   Session session = session_of(hand_over());
   step(session, 800);
   const std::vector<Tick> first[] = {ticks_of(session, 0), ticks_of(session, 1)};
@@ -301,7 +302,7 @@ TEST_CASE("the names and figures of hands, and what a hand that is not there giv
   CHECK(session.summary(2).text.empty());
 }
 
-TEST_CASE("gains that two hands do not bear are lowered, and said of each") {
+TEST_CASE("gains that two hands do not bear are lowered, and said of each", "[slow]") {
   Options options;
   options.ratio = 40;
   const Session session = session_of(tug(), options);

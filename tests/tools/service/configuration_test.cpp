@@ -8,7 +8,9 @@
 
 using Catch::Matchers::Contains;
 
-namespace tactus::service {
+using namespace tactus;
+using namespace tactus::service;
+
 namespace {
 
 Configuration good(const std::string& text) {
@@ -177,5 +179,3 @@ TEST_CASE("the configuration that is installed is good") {
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   CHECK(good(text).socket == "/run/tactus/control");
 }
-
-}  // namespace tactus::service

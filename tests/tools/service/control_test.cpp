@@ -24,7 +24,9 @@
 using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
 
-namespace tactus::service {
+using namespace tactus;
+using namespace tactus::service;
+
 namespace {
 
 class Folder {
@@ -415,5 +417,3 @@ TEST_CASE("a run that shows nothing says so to a watcher, and no run is one line
   REQUIRE_FALSE(nobody.ok());
   CHECK_THAT(nobody.message(), Contains("no run answers there; accepted: "));
 }
-
-}  // namespace tactus::service

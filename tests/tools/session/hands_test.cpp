@@ -138,7 +138,7 @@ TEST_CASE("A part goes from hand to hand, and its sub-world with it") {
   for (const auto& summary : bench.summaries) CHECK(session::judge(summary).text().empty());
 }
 
-TEST_CASE("Several hands give the same bits twice") {
+TEST_CASE("Several hands give the same bits twice", "[slow]") {
   std::uint64_t hashes[2][3];
   for (auto& of_run : hashes) {
     Bench bench(hand_over_text());
@@ -149,7 +149,7 @@ TEST_CASE("Several hands give the same bits twice") {
   for (std::size_t i = 0; i < 3; ++i) CHECK(hashes[0][i] == hashes[1][i]);
 }
 
-TEST_CASE("Hands far apart change no bit of each other's force") {
+TEST_CASE("Hands far apart change no bit of each other's force", "[slow]") {
   // The same hand at the same block, with the other one pressing elsewhere, and with it faulted.
   Bench both(apart_text()), faulted(apart_text(), "", "estop@100");
   std::vector<double> forces_N;
@@ -195,7 +195,7 @@ TEST_CASE("A reset of any hand waits for all of them, and starts for all") {
   for (const auto& summary : bench.summaries) CHECK(summary.stats.fault_count == 0);
 }
 
-TEST_CASE("Each hand has a tape, and each replays with the same bits") {
+TEST_CASE("Each hand has a tape, and each replays with the same bits", "[slow]") {
   const test::TemporaryFile first;
   CHECK(session::file_of_hand("a/my.tape", 0) == "a/my.tape");
   CHECK(session::file_of_hand("a/my.tape", 1) == "a/my.2.tape");

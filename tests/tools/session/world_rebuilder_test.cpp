@@ -70,14 +70,14 @@ void check_rebuilt(const std::string& scene, std::uint64_t ticks, std::uint64_t 
 
 }  // namespace
 
-TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, on every kind of scene") {
+TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, on every kind of scene", "[slow]") {
   const std::string scene = GENERATE("card_house.toml", "chain.toml", "cups.toml", "domino_row.toml", "free.toml",
                                      "incline.toml", "peg_in_shaft.toml", "pile250.toml", "press.toml", "stack20.toml",
                                      "stones.toml", "terrain.toml", "tower.toml", "wall.toml", "workshop.toml");
   check_rebuilt(scene, 1500, 100);
 }
 
-TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, in large heaps") {
+TEST_CASE("the world of a tape is rebuilt, snapshot by snapshot, in large heaps", "[slow]") {
   const std::string scene = GENERATE("pile700.toml", "pile5000.toml");
   check_rebuilt(scene, 450, 20);
 }

@@ -8,7 +8,9 @@
 
 using Catch::Matchers::Contains;
 
-namespace tactus::timing {
+using namespace tactus;
+using namespace tactus::timing;
+
 namespace {
 
 const Machine kHere{"Some CPU", "6.1.0-rt #1", "quiet isolcpus=3", "performance", 4};
@@ -106,5 +108,3 @@ TEST_CASE("a run beyond what fewer members cure, or on another machine, is refus
   REQUIRE(machine.ok());
   CHECK_THAT(check_budget(machine.value(), kHere, {}).refusal, Contains("with the verdict 'machine'"));
 }
-
-}  // namespace tactus::timing

@@ -7,7 +7,9 @@
 
 using Catch::Matchers::Contains;
 
-namespace tactus::timing {
+using namespace tactus;
+using namespace tactus::timing;
+
 namespace {
 
 constexpr Typical kUsual{5'000, 215'000, 30'000};
@@ -109,5 +111,3 @@ TEST_CASE("a late tick that met its deadline has the cause of the part that grew
   unexplained.foreseen_ns = 90'000;
   CHECK(attribute(unexplained, kPeriod_ns, kUsual, quiet()).cause == Cause::kMachine);
 }
-
-}  // namespace tactus::timing

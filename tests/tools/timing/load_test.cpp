@@ -9,7 +9,9 @@
 #include <sstream>
 #include <string>
 
-namespace tactus::timing {
+using namespace tactus;
+using namespace tactus::timing;
+
 namespace {
 
 // Processes whose parent is this one, dead ones that nobody waited for among them.
@@ -50,5 +52,3 @@ TEST_CASE("a load is a process on every core but the loop's, and ends with its o
   }
   CHECK(children() == 0);
 }
-
-}  // namespace tactus::timing

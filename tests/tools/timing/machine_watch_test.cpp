@@ -5,7 +5,9 @@
 
 #include "tools/timing/cyclictest.h"
 
-namespace tactus::timing {
+using namespace tactus;
+using namespace tactus::timing;
+
 namespace {
 
 // cpu 1 is offline: the columns are those of 0, 2 and 3.
@@ -118,5 +120,3 @@ TEST_CASE("cyclictest runs on the loop's core, at its priority and period") {
       cyclictest_command({.cpu = 3, .main_cpu = 1, .priority = 70, .period_us = 500, .seconds = 9});
   CHECK(command.find(" -a3 -p70 -i500 -D9 --mainaffinity=1") != std::string::npos);
 }
-
-}  // namespace tactus::timing

@@ -12,7 +12,9 @@
 
 using Catch::Matchers::Contains;
 
-namespace tactus::timing {
+using namespace tactus;
+using namespace tactus::timing;
+
 namespace {
 
 TimingResult made_result() {
@@ -131,5 +133,3 @@ TEST_CASE("the worst case runs at any rate, with as few sub-steps as may be") {
     CHECK(session.ok());
   }
 }
-
-}  // namespace tactus::timing

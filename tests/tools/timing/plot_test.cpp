@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <regex>
 
-namespace tactus::timing {
+using namespace tactus;
+using namespace tactus::timing;
+
 namespace {
 
 constexpr double kDigit_px = 8;  // the widest digit of the plot's fonts at 12 px, rounded up
@@ -49,5 +51,3 @@ TEST_CASE("the labels of the time axis lie within the plot, for ticks of a micro
     }
   }
 }
-
-}  // namespace tactus::timing

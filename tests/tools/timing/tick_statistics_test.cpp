@@ -7,7 +7,9 @@
 #include "tests/tools/timing/made_ticks.h"
 #include "tools/timing/verdict.h"
 
-namespace tactus::timing {
+using namespace tactus;
+using namespace tactus::timing;
+
 namespace {
 
 TickStatistics no_warm_up() { return TickStatistics({kPeriod_ns, 0, 10}); }
@@ -116,5 +118,3 @@ TEST_CASE("the verdict tells the program's promise from the machine's") {
   CHECK(row(judge(own), "ticks lost to own work").measured == 1);
   CHECK(verdict_of(judge(own)) == TimingVerdict::kBad);
 }
-
-}  // namespace tactus::timing

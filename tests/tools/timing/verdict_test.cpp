@@ -9,7 +9,9 @@
 
 using Catch::Matchers::Contains;
 
-namespace tactus::timing {
+using namespace tactus;
+using namespace tactus::timing;
+
 namespace {
 
 std::vector<VerdictRow> rows_with(const session::RunSummary& summary) {
@@ -70,5 +72,3 @@ TEST_CASE("deadlines are judged by the same figure as in a run") {
   for (const VerdictRow& row : judge(books))
     if (row.figure == "after their deadline") CHECK(row.limit == session::most_lost_of_10000(books.ticks));
 }
-
-}  // namespace tactus::timing

@@ -7,7 +7,9 @@
 #include "tests/tools/timing/made_ticks.h"
 #include "tools/timing/report.h"
 
-namespace tactus::timing {
+using namespace tactus;
+using namespace tactus::timing;
+
 namespace {
 
 using Kind = WatchedWindows::Kind;
@@ -95,5 +97,3 @@ TEST_CASE("a viewer in turns wants the simulated device, no cyclictest, and time
   options.run.device = "usb";
   CHECK_THAT(check(options).message(), Catch::StartsWith("--with-viewer: usb misses commands"));
 }
-
-}  // namespace tactus::timing

@@ -6,7 +6,7 @@
 
 using namespace tactus;
 using namespace tactus::physics;
-using namespace tactus::physics::test;
+using namespace tactus::physics::support;
 
 namespace {
 
@@ -42,7 +42,7 @@ const std::pair<ShapeKind, ShapeKind> kKinds[] = {
     {ShapeKind::kBox, ShapeKind::kPlane}};
 
 Manifold touch(const Pair& p, double margin = kMargin) {
-  return physics::test::touch(p.a, p.pose_a, p.b, p.pose_b, margin);
+  return physics::support::touch(p.a, p.pose_a, p.b, p.pose_b, margin);
 }
 
 // Of each two kinds at least a tenth touch: a check that judges only those judges some.

@@ -5,7 +5,7 @@
 
 using namespace tactus;
 using namespace tactus::physics;
-using namespace tactus::physics::test;
+using namespace tactus::physics::support;
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include "rt/physics/collision/manifold.h"
 #include "tests/support/random.h"
 
-namespace tactus::physics::test {
+namespace tactus::physics::support {
 
 using Random = tactus::test::Random;
 using tactus::test::tries;
@@ -192,4 +192,4 @@ inline Shape random_shape(Random& random, ShapeKind kind) {
   return Shape::plane();
 }
 
-}  // namespace tactus::physics::test
+}  // namespace tactus::physics::support

@@ -6,7 +6,7 @@
 
 using namespace tactus;
 using namespace tactus::physics;
-using namespace tactus::physics::test;
+using namespace tactus::physics::support;
 
 namespace {
 
@@ -23,8 +23,8 @@ struct HullPair {
   }
   double distance() const {
     const std::vector<Hull> hulls{a, b};
-    return physics::test::distance(solid_of(Shape::convex(a, 0), pose_a, hulls),
-                                   solid_of(Shape::convex(b, 1), pose_b, hulls));
+    return physics::support::distance(solid_of(Shape::convex(a, 0), pose_a, hulls),
+                                      solid_of(Shape::convex(b, 1), pose_b, hulls));
   }
 };
 

@@ -7,10 +7,12 @@
 #include "rt/physics/integrate.h"
 #include "tests/support/physics_bench.h"
 
-namespace tactus::physics {
+using namespace tactus;
+using namespace tactus::physics;
+
 namespace {
 
-using test::Random;
+using tactus::test::Random;
 
 template <class T>
 struct Heap {
@@ -178,5 +180,3 @@ TEST_CASE("Bodies moved together have the bits of bodies moved one by one") {
     CHECK(motion[i].v == single[i].v);
   }
 }
-
-}  // namespace tactus::physics

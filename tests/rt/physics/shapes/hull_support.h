@@ -6,7 +6,7 @@
 #include "rt/physics/shapes/hull_view.h"
 #include "tests/rt/physics/collision/collide_support.h"
 
-namespace tactus::physics::test {
+namespace tactus::physics::support {
 
 struct TestHull {
   Hull hull;
@@ -191,4 +191,4 @@ inline double best_gap(const Solid& a, const Solid& b) {
   return best;
 }
 
-}  // namespace tactus::physics::test
+}  // namespace tactus::physics::support
