@@ -40,7 +40,7 @@ const std::string kScenes = TACTUS_SOURCE_DIR "/sim/scenes/";
 
 }  // namespace
 
-TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 2", "[slow]") {
+TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 2") {
   const struct {
     const char *arguments, *says;
   } cases[] = {
@@ -105,8 +105,7 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
   }
 }
 
-TEST_CASE("with --json bad usage and input are one object with the error, and the same line and status as without",
-          "[slow]") {
+TEST_CASE("with --json bad usage and input are one object with the error, and the same line and status as without") {
   for (const std::string arguments :
        {"run", "run /nowhere.toml", "run --config /nowhere.toml", "run --accuracy best /nowhere.toml",
         "replay /nowhere.tape", "export /nowhere.tape --csv /nowhere.csv", "control state --socket /nowhere",

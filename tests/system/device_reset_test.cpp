@@ -177,7 +177,7 @@ TEST_CASE("a device that is reset at any tick of a run gives its force back with
   }
 }
 
-TEST_CASE("a device that is reset while a run begins gives no step either", "[slow]") {
+TEST_CASE("a device that is reset while a run begins gives no step either") {
   const auto wire = GENERATE(Wire::kUsb, Wire::kUsbLate, Wire::kClassicCan);
   for (int at = 0; at < 60; ++at) {
     ResetRun r(wire, 0.06);

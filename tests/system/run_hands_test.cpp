@@ -46,7 +46,7 @@ TEST_CASE("several hands: a summary each, and the worst of them is the program's
   CHECK_THAT(text.out, Contains("hand 2 of 2: Two hands push a block to and fro (good)"));
 }
 
-TEST_CASE("several hands: what is of one hand alone is refused in one line", "[slow]") {
+TEST_CASE("several hands: what is of one hand alone is refused in one line") {
   const auto refused = [](const std::string& options, const std::string& scene = kScene) {
     const auto output = tactus_run(options, scene);
     INFO(output.out);
@@ -132,7 +132,7 @@ TEST_CASE("several hands: a tape each, that tactus replay takes") {
   (void)std::remove(second.c_str());
 }
 
-TEST_CASE("several hands: scene check looks at each, and shows the stiffness that the run has", "[slow]") {
+TEST_CASE("several hands: scene check looks at each, and shows the stiffness that the run has") {
   const auto output = run_command(std::string(TACTUS_PROGRAM) + " scene check " + kScene + " 2>&1");
   INFO(output.out);
   CHECK(output.exit_code == 0);
@@ -190,7 +190,7 @@ TEST_CASE("several hands: a configuration names their devices, and the run is lo
   CHECK_THAT(wrong.out, Contains("[[device]]: 2 for 1 hands of the scene"));
 }
 
-TEST_CASE("several hands: watched virtual time has the bits of unwatched", "[slow]") {
+TEST_CASE("several hands: watched virtual time has the bits of unwatched") {
   const TemporaryFile socket;
   const auto hashes = [](const std::string& options) {
     const auto output = run_command(std::string(TACTUS_PROGRAM) + " run " + kScene +

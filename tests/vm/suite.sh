@@ -13,7 +13,7 @@ declare -A scenarios_of=(
   [fd]='programs:can-fd faults:can-fd recovery:can-fd hostile:can-fd hil:can-fd arms:can-fd own_device:can-fd gpio_hands libraries'
   [debian]='service'
   [cores]='doctor:usb cores:usb timing:usb')
-# With --quick: each scenario once, on one of the links, and QUICK set in the guest; no Debian, a third of the time.
+# With --quick: each scenario once, on one of the links, and QUICK set in the guest; not the Debian, the guest that takes longest.
 declare -A quick_scenarios_of=(
   [usb]='drivers user:usb programs:usb house:usb falcon:usb'
   [can]='faults:can hil:can arms:can'
@@ -127,7 +127,7 @@ check_scenarios() {
     guests+=(cores)
   fi
 
-  ((${#guests[@]})) || fail 2 "no scenario has '$only' in its name"
+  ((${#guests[@]})) || fail 2 "no scenario${quick:+ of --quick} has '$only' in its name"
   for guest in "${guests[@]}"; do collect "$guest"; done
   print_figures
   say "took $((SECONDS - start)) s; what the guests left is in build/vm"
