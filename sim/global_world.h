@@ -43,7 +43,7 @@ struct FurtherDevice {
 
 struct GlobalOptions {
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
-  physics::BorderMode border_mode{physics::BorderMode::kCapped};
+  physics::BorderMode border_mode{physics::kDefaultBorder};
   ExtractionOptions extraction;
   std::vector<FurtherDevice> more_devices{};
   ReachSettings reach;  // includes the ratio and the tick period

@@ -37,7 +37,8 @@ void GlobalWorld::add_approaching(const Device& device) noexcept {
   // A body of each of two sub-worlds: the first of the devices has found this pair.
   const auto was_found = [&](const Approaching& pair) noexcept {
     return std::any_of(std::as_const(devices_).data(), &device, [&](const Device& before) noexcept {
-      return before.extraction.is_member(awake[pair.a]) != before.extraction.is_member(awake[pair.b]);
+      return before.extraction.is_member(awake[number_of(pair.a)]) !=
+             before.extraction.is_member(awake[number_of(pair.b)]);
     });
   };
   const Approaching* last = nullptr;
@@ -45,12 +46,13 @@ void GlobalWorld::add_approaching(const Device& device) noexcept {
     const bool same_pair = last != nullptr && last->a == pair.a && last->b == pair.b;
     last = &pair;
     // Other parts of the two bodies may have an edge already.
-    const auto contacts = physics::find_contacts(world_.contacts(), bodies[pair.a].id, bodies[pair.b].id);
+    const std::uint32_t a = number_of(pair.a), b = number_of(pair.b);
+    const auto contacts = physics::find_contacts(world_.contacts(), bodies[a].id, bodies[b].id);
     if (same_pair || physics::any_touching(contacts) || was_found(pair)) continue;
     if (touches_.size() == touches_.capacity()) return;
-    touches_.push_back({.a = awake[pair.a],
-                        .b = awake[pair.b],
-                        .point = bodies[pair.a].motion.pose.position + pair.manifold.points[0].from_a,
+    touches_.push_back({.a = awake[a],
+                        .b = awake[b],
+                        .point = bodies[a].motion.pose.position + pair.manifold.points[0].from_a,
                         .normal = pair.manifold.normal,
                         .joined = false});
   }

@@ -17,7 +17,6 @@ LoopConfig make_config(SyntheticWorld kind) {
   auto& sub = config.sub_world;
   sub.ratio = 1u << 30;  // never late
   sub.step.dt = config.period_s;
-  sub.border_mode = physics::kDefaultBorder;
   if (kind == SyntheticWorld::kSearched) sub.step.recycle_tolerance_m = 0;
   constexpr std::uint32_t n = kCalibrationBodies;
   sub.capacities = {.bodies = n, .fixed_bodies = 1, .pairs = 16 * n, .contacts = 10 * n, .border_contacts = 2 * n};

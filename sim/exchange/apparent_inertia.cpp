@@ -11,8 +11,9 @@ using physics::Contact;
 using physics::Joint;
 using physics::JointKind;
 using physics::JointState;
+using physics::SlotIndex;
 
-constexpr std::uint32_t kNone = physics::kNoSlot;
+constexpr std::uint32_t kNone = 0xffffffffu;  // no parent, no link: of the queried body
 // Ratio of the friction force to its limit, or of a motor's effort to its largest effort, 0 to 1: from this ratio on a
 // contact counts as sliding, a motor as overcome.
 constexpr double kSticks = 0.95;
@@ -124,12 +125,12 @@ void hold(Matrix6& sum, double stiffness, const Vec3d& along, const Vec3d& turn)
   }
 }
 
-double inverse_mass_of(std::span<const Body> bodies, std::uint32_t slot) noexcept {
-  return slot == kNone ? 0 : 1 / bodies[slot].mass;
+double inverse_mass_of(std::span<const Body> bodies, SlotIndex slot) noexcept {
+  return slot == ApparentInertia::kStatic ? 0 : 1 / bodies[number_of(slot)].mass;
 }
-double inverse_inertia_of(std::span<const Body> bodies, std::uint32_t slot) noexcept {
-  if (slot == kNone) return 0;
-  const Vec3d& i = bodies[slot].inertia;
+double inverse_inertia_of(std::span<const Body> bodies, SlotIndex slot) noexcept {
+  if (slot == ApparentInertia::kStatic) return 0;
+  const Vec3d& i = bodies[number_of(slot)].inertia;
   return 1 / std::min({i.x, i.y, i.z});
 }
 
@@ -148,7 +149,8 @@ Vec3d slip_of(const Contact& contact, const physics::ContactPoint& point, std::s
 Matrix6 stiffness_of_contact(const Contact& contact, double added_inertia, std::span<const Body> bodies,
                              const Vec3d& centre) noexcept {
   const Body& a = bodies[contact.slot_a];
-  const double mass_of_both = 1 / (1 / a.mass + inverse_mass_of(bodies, contact.b_fixed ? kNone : contact.slot_b));
+  const SlotIndex slot_b = contact.b_fixed ? ApparentInertia::kStatic : SlotIndex{contact.slot_b};
+  const double mass_of_both = 1 / (1 / a.mass + inverse_mass_of(bodies, slot_b));
   const double stiffness = added_inertia * mass_of_both;
   Vec3d friction, slip;
   double pressed = 0, points = 0;
@@ -253,15 +255,15 @@ void ApparentInertia::find_joints(const physics::World& world) noexcept {
     const Joint& joint = effect->joints()[k];
     const auto a = joint.a == kNoBody ? std::nullopt : world.slot_of(joint.a), b = world.slot_of(joint.b);
     if (effect->states()[k].broken != 0 || !b || (joint.a != kNoBody && !a)) continue;
-    joints_.push_back(
-        {.a = a ? number_of(*a) : kNone, .b = number_of(*b), .joint = &joint, .state = &effect->states()[k]});
+    joints_.push_back({.a = a.value_or(kStatic), .b = *b, .joint = &joint, .state = &effect->states()[k]});
   }
 }
 
 template <class F>
 void ApparentInertia::for_each_link(F&& f) const noexcept {
   std::uint32_t link = 0;
-  for (const auto& contact : contacts_) f(link++, contact.slot_a, contact.b_fixed ? kNone : contact.slot_b);
+  for (const auto& contact : contacts_)
+    f(link++, SlotIndex{contact.slot_a}, contact.b_fixed ? kStatic : SlotIndex{contact.slot_b});
   for (const JointLink& joint : joints_) f(link++, joint.a, joint.b);
 }
 
@@ -279,19 +281,19 @@ void ApparentInertia::index(const physics::World& world, double added_inertia, d
     for (const auto& script : kinematics->scripts())
       if (const auto slot = world.slot_of(script.id)) immovable_[number_of(*slot)] = 1;
   std::fill(first_.begin(), first_.end(), 0u);
-  const auto count = [&](std::uint32_t slot) noexcept {
-    if (slot != kNone) ++first_[slot + 1];
+  const auto count = [&](SlotIndex slot) noexcept {
+    if (slot != kStatic) ++first_[number_of(slot) + 1];
   };
-  for_each_link([&](std::uint32_t, std::uint32_t a, std::uint32_t b) noexcept {
+  for_each_link([&](std::uint32_t, SlotIndex a, SlotIndex b) noexcept {
     count(a);
     count(b);
   });
   for (std::size_t slot = 1; slot < first_.size(); ++slot) first_[slot] += first_[slot - 1];
   // Filling advances each start to the start of the next slot; the copy shifts them back.
-  const auto add_link = [&](std::uint32_t slot, const Link& link) noexcept {
-    if (slot != kNone) links_[first_[slot]++] = link;
+  const auto add_link = [&](SlotIndex slot, const Link& link) noexcept {
+    if (slot != kStatic) links_[first_[number_of(slot)]++] = link;
   };
-  for_each_link([&](std::uint32_t link, std::uint32_t a, std::uint32_t b) noexcept {
+  for_each_link([&](std::uint32_t link, SlotIndex a, SlotIndex b) noexcept {
     add_link(a, {link, b});
     add_link(b, {link, a});
   });
@@ -299,16 +301,17 @@ void ApparentInertia::index(const physics::World& world, double added_inertia, d
   first_[0] = 0;
 }
 
-std::span<const ApparentInertia::Link> ApparentInertia::links_of(std::uint32_t slot) const noexcept {
-  return {links_.data() + first_[slot], first_[slot + 1] - first_[slot]};
+std::span<const ApparentInertia::Link> ApparentInertia::links_of(SlotIndex slot) const noexcept {
+  const std::uint32_t i = number_of(slot);
+  return {links_.data() + first_[i], first_[i + 1] - first_[i]};
 }
 
 Matrix6 ApparentInertia::stiffness_of_joint(const JointLink& link, const Vec3d& centre) const noexcept {
   const Joint& joint = *link.joint;
   const double stiffness = added_inertia_ / (inverse_mass_of(bodies_, link.a) + inverse_mass_of(bodies_, link.b));
   const double firm_turn = added_inertia_ / (inverse_inertia_of(bodies_, link.a) + inverse_inertia_of(bodies_, link.b));
-  const Posed at_a = link.a == kNone ? joint.a_from_joint : bodies_[link.a].motion.pose * joint.a_from_joint;
-  const Posed at_b = bodies_[link.b].motion.pose * joint.b_from_joint;
+  const Posed at_a = link.a == kStatic ? joint.a_from_joint : body(link.a).motion.pose * joint.a_from_joint;
+  const Posed at_b = body(link.b).motion.pose * joint.b_from_joint;
   const Vec3d r = at_b.position - centre;
   const bool coordinate = holds_coordinate(joint, *link.state);
   Matrix6 sum{};
@@ -342,29 +345,29 @@ void ApparentInertia::begin_step() noexcept {
 
 // Mean velocity over the last two steps; over the last one for a body that was not reached before; the present velocity
 // for a body that was added since.
-Twistd ApparentInertia::mean_velocity(std::uint32_t slot) noexcept {
-  const Body& body = bodies_[slot];
-  if (!is_finite(starts_[slot])) return body.motion.velocity;
-  const Twistd mean = mean_between(starts_[slot], body.motion.pose, step_s_);
-  if (noted_[slot] != step_) {
-    noted_[slot] = step_;
-    latest_.push_back({body.id, mean});
+Twistd ApparentInertia::mean_velocity(SlotIndex slot) noexcept {
+  const Body& moved = body(slot);
+  const Posed& start = starts_[number_of(slot)];
+  if (!is_finite(start)) return moved.motion.velocity;
+  const Twistd mean = mean_between(start, moved.motion.pose, step_s_);
+  if (noted_[number_of(slot)] != step_) {
+    noted_[number_of(slot)] = step_;
+    latest_.push_back({moved.id, mean});
   }
-  const auto before = std::lower_bound(earlier_.begin(), earlier_.end(), body.id,
+  const auto before = std::lower_bound(earlier_.begin(), earlier_.end(), moved.id,
                                        [](const MeanVelocity& entry, BodyId id) { return entry.id < id; });
-  return before != earlier_.end() && before->id == body.id ? 0.5 * (mean + before->velocity) : mean;
+  return before != earlier_.end() && before->id == moved.id ? 0.5 * (mean + before->velocity) : mean;
 }
 
-Twistd ApparentInertia::off_mean(std::uint32_t slot) noexcept {
-  const Twistd &now = bodies_[slot].motion.velocity, mean = mean_velocity(slot);
+Twistd ApparentInertia::off_mean(SlotIndex slot) noexcept {
+  const Twistd &now = body(slot).motion.velocity, mean = mean_velocity(slot);
   return now - mean;
 }
 
-void ApparentInertia::reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link,
-                            const Vec3d& centre) noexcept {
-  found_[slot] = search_;
-  const Vec3d d = bodies_[slot].motion.pose.position - centre;
-  const Matrix6 inertia = inertia_of(bodies_[slot], d);
+void ApparentInertia::reach(SlotIndex slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept {
+  found_[number_of(slot)] = search_;
+  const Vec3d d = body(slot).motion.pose.position - centre;
+  const Matrix6 inertia = inertia_of(body(slot), d);
   reached_.push_back({.slot = slot,
                       .parent = parent,
                       .link = link,
@@ -383,21 +386,21 @@ void ApparentInertia::add_other_parts(Reached& from, const Vec3d& centre) const 
 
 // Collects the bodies connected to the queried one, then eliminates them from the far end inwards, each into its
 // parent.
-void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
+void ApparentInertia::collect(SlotIndex slot, std::span<const std::uint8_t> members) noexcept {
   ++search_;
   reached_.clear();
-  const Vec3d centre = bodies_[slot].motion.pose.position;
+  const Vec3d centre = body(slot).motion.pose.position;
   reach(slot, kNone, kNone, centre);
   for (std::uint32_t head = 0; head < reached_.size(); ++head)
     for (const auto& [link, other] : links_of(reached_[head].slot)) {
-      if (other == kNone || immovable_[other] != 0) {
+      if (other == kStatic || is_immovable(other)) {
         const Matrix6 constraint_stiffness = constraint_stiffness_of(link, centre);
         add(reached_[head].inertia, constraint_stiffness);
-        if (other != kNone)
+        if (other != kStatic)
           add(reached_[head].momentum,
-              product(constraint_stiffness, at_point(off_mean(other), bodies_[other].motion.pose.position - centre)));
-      } else if (members[other] == 0 && found_[other] != search_ && reached_.size() < kMaxBodies &&
-                 (link >= contacts_.size() || contacts_[link].touching())) {
+              product(constraint_stiffness, at_point(off_mean(other), body(other).motion.pose.position - centre)));
+      } else if (members[number_of(other)] == 0 && found_[number_of(other)] != search_ &&
+                 reached_.size() < kMaxBodies && (link >= contacts_.size() || contacts_[link].touching())) {
         reach(other, head, link, centre);
       }
     }
@@ -412,8 +415,8 @@ void ApparentInertia::collect(std::uint32_t slot, std::span<const std::uint8_t> 
   }
 }
 
-OutsideAnswer ApparentInertia::find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept {
-  if (immovable_[slot] != 0) return {bodies_[slot].motion.velocity, {}};
+OutsideAnswer ApparentInertia::find(SlotIndex slot, std::span<const std::uint8_t> members) noexcept {
+  if (is_immovable(slot)) return {body(slot).motion.velocity, {}};
   collect(slot, members);
   const Vector6& p = reached_[0].momentum;
   const physics::Admittance w = invert(reached_[0].inertia);
@@ -421,8 +424,8 @@ OutsideAnswer ApparentInertia::find(std::uint32_t slot, std::span<const std::uin
   return {mean + kept, w};
 }
 
-physics::Admittance ApparentInertia::free_admittance(std::uint32_t slot) const noexcept {
-  return immovable_[slot] != 0 ? physics::Admittance{} : invert(inertia_of(bodies_[slot], {}));
+physics::Admittance ApparentInertia::free_admittance(SlotIndex slot) const noexcept {
+  return is_immovable(slot) ? physics::Admittance{} : invert(inertia_of(body(slot), {}));
 }
 
 }  // namespace tactus::sim

@@ -44,6 +44,7 @@
 #include <vector>
 
 #include "rt/physics/effects/joint.h"
+#include "rt/physics/slot_index.h"
 #include "rt/physics/world.h"
 
 namespace tactus::sim {
@@ -61,6 +62,7 @@ struct OutsideAnswer {
 class ApparentInertia {
  public:
   static constexpr std::uint32_t kMaxBodies = 16;
+  static constexpr physics::SlotIndex kStatic{physics::kNoSlot};  // of static geometry, and of the world
 
   ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
 
@@ -70,42 +72,45 @@ class ApparentInertia {
   // of contacts and joints over the next cycle.
   void index(const physics::World& world, double added_inertia, double step_s) noexcept;
   // Motion of a body's centre. `members`, by slot: 1 for bodies that the sub-world moves.
-  OutsideAnswer find(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
+  OutsideAnswer find(physics::SlotIndex slot, std::span<const std::uint8_t> members) noexcept;
   // Admittance of the body alone, as if nothing held it.
-  physics::Admittance free_admittance(std::uint32_t slot) const noexcept;
-  // A constraint on a body. `index`: of a contact, or contacts + index of a joint. `other`: slot of the other body,
-  // physics::kNoSlot if static.
+  physics::Admittance free_admittance(physics::SlotIndex slot) const noexcept;
+  // A constraint on a body. `index`: of a contact, or contacts + index of a joint. `other`: the other body, or kStatic.
   struct Link {
-    std::uint32_t index, other;
+    std::uint32_t index;
+    physics::SlotIndex other;
   };
   // The constraints on a body: contacts, then joints, each in their order.
-  std::span<const Link> links_of(std::uint32_t slot) const noexcept;
+  std::span<const Link> links_of(physics::SlotIndex slot) const noexcept;
 
  private:
-  struct JointLink {  // an unbroken joint and the slots of its bodies; A may be physics::kNoSlot: the world
-    std::uint32_t a, b;
+  struct JointLink {  // an unbroken joint and the slots of its bodies; A may be kStatic: the world
+    physics::SlotIndex a, b;
     const physics::Joint* joint;
     const physics::JointState* state;
   };
   struct Reached {
-    std::uint32_t slot, parent, link;  // parent: index in reached_
-    Matrix6 inertia;                   // about the queried body's centre, its subtree included
-    Matrix6 constraint_stiffness;      // G of the link to the parent
-    Vector6 momentum;                  // about that centre, its subtree included
+    physics::SlotIndex slot;
+    std::uint32_t parent, link;    // parent: index in reached_
+    Matrix6 inertia;               // about the queried body's centre, its subtree included
+    Matrix6 constraint_stiffness;  // G of the link to the parent
+    Vector6 momentum;              // about that centre, its subtree included
   };
 
-  void collect(std::uint32_t slot, std::span<const std::uint8_t> members) noexcept;
-  void reach(std::uint32_t slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept;
+  void collect(physics::SlotIndex slot, std::span<const std::uint8_t> members) noexcept;
+  void reach(physics::SlotIndex slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept;
   void add_other_parts(Reached& from, const Vec3d& centre) const noexcept;
   void find_joints(const physics::World& world) noexcept;
-  // Calls f(link, slot_a, slot_b) for contacts, then joints; a slot is physics::kNoSlot where that side is static.
+  // Calls f(link, slot_a, slot_b) for contacts, then joints; a slot is kStatic where that side is static.
   template <class F>
   void for_each_link(F&& f) const noexcept;
+  const physics::Body& body(physics::SlotIndex slot) const noexcept { return bodies_[number_of(slot)]; }
+  bool is_immovable(physics::SlotIndex slot) const noexcept { return immovable_[number_of(slot)] != 0; }
   // G of a link.
   Matrix6 stiffness_of_joint(const JointLink& link, const Vec3d& centre) const noexcept;
   Matrix6 constraint_stiffness_of(std::uint32_t link, const Vec3d& centre) const noexcept;
-  Twistd mean_velocity(std::uint32_t slot) noexcept;
-  Twistd off_mean(std::uint32_t slot) noexcept;  // present velocity minus the mean
+  Twistd mean_velocity(physics::SlotIndex slot) noexcept;
+  Twistd off_mean(physics::SlotIndex slot) noexcept;  // present velocity minus the mean
 
   struct MeanVelocity {
     BodyId id;

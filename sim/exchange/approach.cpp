@@ -46,7 +46,7 @@ std::span<const Approaching> Approach::find(const physics::World& world, std::sp
   found_.clear();
   const auto moving = [&](std::uint32_t slot) noexcept -> Moving {
     const double reach = reach_of(bodies[slot], horizon_s);
-    return {slot, reach, physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, reach)};
+    return {physics::SlotIndex{slot}, reach, physics::bounds_of(bodies[slot].shape, bodies[slot].motion.pose, reach)};
   };
   double farthest = 0;
   physics::Aabb all;
@@ -78,7 +78,7 @@ std::span<const Approaching> Approach::find(const physics::World& world, std::sp
 
 // Keeps the points of each two parts that will meet.
 void Approach::compare(const physics::World& world, const Moving& a, const Moving& b, double horizon_s) noexcept {
-  const Body &body_a = world.bodies()[a.slot], &body_b = world.bodies()[b.slot];
+  const Body &body_a = world.body(a.slot), &body_b = world.body(b.slot);
   const auto& lists = world.shapes();
   const physics::PosedShape shape_a = posed_shape(body_a), shape_b = posed_shape(body_b);
   const double margin = a.reach_m + b.reach_m;

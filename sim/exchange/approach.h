@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "rt/physics/slot_index.h"
 #include "rt/physics/world.h"
 
 namespace tactus::sim {
@@ -21,7 +22,7 @@ inline constexpr std::uint32_t kMaxApproaches = 1024;
 // A member and another body that will meet, by one part of each, and the points that will: their separation is less
 // than they close.
 struct Approaching {
-  std::uint32_t a{0}, b{0};            // slots, a < b
+  physics::SlotIndex a{}, b{};         // a < b
   std::uint32_t part_a{0}, part_b{0};  // parts of the two bodies; the pairs of parts of two bodies are consecutive
   physics::Manifold manifold;
   double round_a{0}, round_b{0};  // m: as in physics::Contact
@@ -37,7 +38,7 @@ class Approach {
 
  private:
   struct Moving {
-    std::uint32_t slot;
+    physics::SlotIndex slot;
     double reach_m;     // bound on a surface point's motion within the horizon
     physics::Aabb box;  // the body's bounds, grown by reach_m
   };

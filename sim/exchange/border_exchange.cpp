@@ -62,9 +62,9 @@ Vec3d acceleration_to_come(const Body& body, const Posed& start, double step_s, 
 
 // A joint between a member and an outside body, after a step.
 struct JointAcross {
-  std::uint32_t member, outside;  // slots
-  Vec3d point;                    // m, world: origin of the joint frame on B, after the step
-  Wrenchd on_member;              // N, N m, at `point`: mean over the step
+  physics::SlotIndex member, outside;
+  Vec3d point;        // m, world: origin of the joint frame on B, after the step
+  Wrenchd on_member;  // N, N m, at `point`: mean over the step
 };
 
 template <class F>
@@ -76,10 +76,11 @@ void for_each_joint_across(const physics::World& world, std::span<const std::uin
     if (members[a] == members[b]) return;
     const auto& state = joints->states()[joint];
     const Vec3d point = bodies[b].motion.pose * joints->joints()[joint].b_from_joint.position;
+    const physics::SlotIndex slot_a{a}, slot_b{b};
     if (members[b] != 0)
-      f(JointAcross{b, a, point, {state.force, state.torque}});
+      f(JointAcross{slot_b, slot_a, point, {state.force, state.torque}});
     else
-      f(JointAcross{a, b, point, {-state.force, -state.torque}});
+      f(JointAcross{slot_a, slot_b, point, {-state.force, -state.torque}});
   });
 }
 
@@ -120,10 +121,11 @@ double border_work_J(const physics::World& world, std::span<const Twistd> before
   const auto bodies = world.bodies();
   double work_J = 0;
   for_each_joint_across(world, members, [&](const JointAcross& joint) noexcept {
-    const Twistd& now = bodies[joint.member].motion.velocity;
-    const Vec3d v = 0.5 * (before[joint.member].linear + now.linear);
-    const Vec3d w = 0.5 * (before[joint.member].angular + now.angular);
-    const Vec3d r = joint.point - bodies[joint.member].motion.pose.position;
+    const auto& [pose, now] = world.body(joint.member).motion;
+    const Twistd& then = before[number_of(joint.member)];
+    const Vec3d v = 0.5 * (then.linear + now.linear);
+    const Vec3d w = 0.5 * (then.angular + now.angular);
+    const Vec3d r = joint.point - pose.position;
     work_J += step_s * (dot(joint.on_member.force, v + cross(w, r)) + dot(joint.on_member.torque, w));
   });
   for (const auto& contact : contacts) {
@@ -190,11 +192,11 @@ std::uint32_t BorderExchange::add_approaching(std::span<const Approaching> pairs
   const auto& bodies = step.bodies;
   std::uint32_t left_out = 0;
   for (const Approaching& pair : pairs) {
-    const PairKey key =
-        PairKey::of(BodyPart{bodies[pair.a].id, pair.part_a}, BodyPart{bodies[pair.b].id, pair.part_b}, false);
+    const Body &body_a = bodies[number_of(pair.a)], &body_b = bodies[number_of(pair.b)];
+    const PairKey key = PairKey::of(BodyPart{body_a.id, pair.part_a}, BodyPart{body_b.id, pair.part_b}, false);
     if (physics::find_contact(step.contacts, key) != nullptr) continue;
-    const bool a = members[pair.a] != 0;
-    const Body &member = bodies[a ? pair.a : pair.b], &outside = bodies[a ? pair.b : pair.a];
+    const bool a = members[number_of(pair.a)] != 0;
+    const Body &member = a ? body_a : body_b, &outside = a ? body_b : body_a;
     for (std::uint32_t i = 0; i < pair.manifold.count; ++i) {
       const auto& found = pair.manifold.points[i];
       const Vec3d &on_member = a ? found.from_a : found.from_b, &on_outside = a ? found.from_b : found.from_a;
@@ -229,10 +231,11 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
   std::uint32_t left_out = 0;
   for (std::size_t i = 0; i < loads_.size();) {
     const BodyId id = loads_[i].outside;
-    const std::uint32_t slot = number_of(*world.slot_of(id));
+    const physics::SlotIndex slot = *world.slot_of(id);
+    const Body& found = world.body(slot);
     OutsideBody body;
     body.id = id;
-    body.centre = world.bodies()[slot].motion.pose.position;
+    body.centre = found.motion.pose.position;
     const OutsideAnswer answer = admittance_.find(slot, members);
     body.velocity = answer.velocity;
     Wrenchd load;
@@ -244,7 +247,7 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
     body.admittance = touched ? answer.admittance : admittance_.free_admittance(slot);
     const Twistd under_load = body.admittance * load;
     body.drive = {
-        acceleration_to_come(world.bodies()[slot], world.last_poses()[slot], step_s, sub_step_s) - under_load.linear,
+        acceleration_to_come(found, world.last_poses()[number_of(slot)], step_s, sub_step_s) - under_load.linear,
         -under_load.angular};
     if (!outside.try_push(body)) ++left_out;
   }
@@ -262,7 +265,7 @@ void BorderExchange::collect_loads(const physics::World& world, std::span<const 
                       .point = point.outside_point,
                       .torque = {}});
   for_each_joint_across(world, members, [&](const JointAcross& joint) noexcept {
-    loads_.push_back({.outside = world.bodies()[joint.outside].id,
+    loads_.push_back({.outside = world.body(joint.outside).id,
                       .touches = true,
                       .force = -joint.on_member.force,
                       .point = joint.point,

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "rt/base/denormals.h"
+#include "tests/sim/global_world_bench.h"
 
 namespace {
 
@@ -41,7 +42,7 @@ constexpr std::uint64_t kCycles = 60;
 
 Trail run_in_one_thread() {
   const Scene scene = pile();
-  GlobalWorld world(scene, {});
+  GlobalWorld world(scene, tactus::test::capped_border());
   auto exchange = std::make_unique<haptics::Exchange>();
   SnapshotServer server(world, *exchange);
   server.publish_first();
@@ -58,7 +59,7 @@ Trail run_in_one_thread() {
 
 Trail run_in_two_threads(const GlobalThreadOptions& options, GlobalThread::Progress& progress, std::uint64_t& timed) {
   const Scene scene = pile();
-  GlobalWorld world(scene, {});
+  GlobalWorld world(scene, tactus::test::capped_border());
   auto exchange = std::make_unique<haptics::Exchange>();
   GlobalThread thread(world, *exchange, options);
   (void)thread.start();
@@ -95,7 +96,7 @@ TEST_CASE("The thread gives the same snapshots as one thread does, stalled or no
 
 TEST_CASE("A CPU that is not there is reported, and the thread runs elsewhere", "[threads]") {
   const Scene scene = pile();
-  GlobalWorld world(scene, {});
+  GlobalWorld world(scene, tactus::test::capped_border());
   auto exchange = std::make_unique<haptics::Exchange>();
   GlobalThreadOptions options;
   options.cpu = 100'000;
@@ -112,7 +113,7 @@ TEST_CASE("A CPU that is not there is reported, and the thread runs elsewhere", 
 
 TEST_CASE("A stall does not keep the thread from stopping", "[threads]") {
   const Scene scene = pile();
-  GlobalWorld world(scene, {});
+  GlobalWorld world(scene, tactus::test::capped_border());
   auto exchange = std::make_unique<haptics::Exchange>();
   GlobalThreadOptions options;
   options.stalls = {{0, std::chrono::hours(24)}};
@@ -126,7 +127,7 @@ TEST_CASE("A stall does not keep the thread from stopping", "[threads]") {
 
 TEST_CASE("A world of several devices waits for all of them, but not for one that has stopped") {
   const Scene scene = pile();
-  GlobalOptions two;
+  GlobalOptions two = tactus::test::capped_border();
   two.more_devices = {{.proxy = 7}};
   GlobalWorld world(scene, two);
   auto one = std::make_unique<haptics::Exchange>(), other = std::make_unique<haptics::Exchange>();
@@ -165,7 +166,7 @@ TEST_CASE("A world of several devices waits for all of them, but not for one tha
 
 TEST_CASE("The thread goes on without a device that has stopped", "[threads]") {
   const Scene scene = pile();
-  GlobalOptions two;
+  GlobalOptions two = tactus::test::capped_border();
   two.more_devices = {{.proxy = 7}};
   GlobalWorld world(scene, two);
   auto one = std::make_unique<haptics::Exchange>(), other = std::make_unique<haptics::Exchange>();

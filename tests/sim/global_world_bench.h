@@ -12,6 +12,12 @@ namespace tactus::test {
 
 inline constexpr double kGlobalStep_s = 0.01;  // of a scene that sets no other
 
+inline sim::GlobalOptions capped_border() {
+  sim::GlobalOptions options;
+  options.border_mode = physics::BorderMode::kCapped;
+  return options;
+}
+
 // Snapshot and report are too large for a stack.
 struct GlobalWorldBench {
   sim::Scene scene;
@@ -19,7 +25,7 @@ struct GlobalWorldBench {
   std::unique_ptr<haptics::WorldSnapshot> snapshot = std::make_unique<haptics::WorldSnapshot>();
   std::unique_ptr<haptics::SubWorldReport> report = std::make_unique<haptics::SubWorldReport>();
 
-  explicit GlobalWorldBench(const sim::Scene& s, const sim::GlobalOptions& options = {})
+  explicit GlobalWorldBench(const sim::Scene& s, const sim::GlobalOptions& options = capped_border())
       : scene(s), world(scene, options) {
     REQUIRE(sim::check_global_options(scene, options).ok());
     world.first_snapshot(*snapshot);

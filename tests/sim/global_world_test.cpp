@@ -40,7 +40,7 @@ Scene floating(unsigned balls) {
 }
 
 GlobalOptions slow_device() {
-  GlobalOptions options;
+  GlobalOptions options = tactus::test::capped_border();
   options.reach.max_speed_m_per_s = 1e-3;
   options.reach.max_angular_speed_rad_per_s = 0;
   options.reach.margin_m = 0;

@@ -184,7 +184,7 @@ TEST_CASE("Whatever hangs together with a member never sleeps") {
   builder.add_stack(2, 5);
   builder.scene.bodies[0].motion.pose.position = {0, 0, 0.52};
   builder.scene.bodies[0].gravity_scale = 1;
-  GlobalOptions options;
+  GlobalOptions options = tactus::test::capped_border();
   options.extraction.cap = 2;
   options.reach.max_speed_m_per_s = 0.01;
   options.reach.max_angular_speed_rad_per_s = 0;
@@ -236,7 +236,7 @@ TEST_CASE("What is foreseen before the first step leaves sleepers and states as 
   const BodyId first = builder.add_stack(0, 3);
   builder.add_feather({0, 0, 0.33}, 1.0);  // would wake them in the second step
   builder.scene.sleeping.from_start = true;
-  GlobalWorld world(builder.scene, {});
+  GlobalWorld world(builder.scene, tactus::test::capped_border());
   REQUIRE(world.is_asleep(first));
   const std::uint64_t hash = world.state_hash();
   auto snapshot = std::make_unique<WorldSnapshot>();

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "rt/base/denormals.h"
-#include "sim/global_world.h"
+#include "tests/sim/global_world_bench.h"
 #include "tests/support/physics_bench.h"
 
 namespace {
@@ -39,7 +39,7 @@ struct Trace {
 
 Trace run(const Scene& scene, std::uint32_t threads, int steps) {
   WorkerPool pool(threads);
-  GlobalWorld world(scene, {});
+  GlobalWorld world(scene, tactus::test::capped_border());
   world.share_work(pool);
   auto snapshot = std::make_unique<haptics::WorldSnapshot>();
   auto report = std::make_unique<haptics::SubWorldReport>();

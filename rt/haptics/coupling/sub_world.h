@@ -24,7 +24,7 @@ namespace tactus::haptics {
 
 struct SubWorldConfig {
   CouplingScheme scheme{CouplingScheme::kSubWorld};
-  physics::BorderMode border_mode{physics::BorderMode::kCapped};
+  physics::BorderMode border_mode{physics::kDefaultBorder};
   std::uint32_t ratio{10};  // ticks per cycle
   BodyId proxy{0};
   physics::StepSettings step;  // dt: the tick; sub_steps: the maximum, the governor may choose fewer

@@ -73,14 +73,20 @@ inline constexpr std::array kBorderModes{BorderMode::kGhost, BorderMode::kCapped
                                          BorderMode::kFiltered, BorderMode::kFrozen};
 static_assert(lists_every_choice(kBorderModes), "a mode that has traits is not in the list, or twice");
 
-inline constexpr BorderMode kDefaultBorder = BorderMode::kGhost;  // of a run
+// The border of every run, experiment and configuration that names no other: of all borders its energy and force are
+// off by the least (tools/experiment/RESULTS.md, `energy-loss`).
+inline constexpr BorderMode kDefaultBorder = BorderMode::kGhost;
 
 // The mode while the global world is late: its outside bodies are taken as at rest.
 inline constexpr BorderMode kLateBorder = BorderMode::kFrozen;
 
+// The mode of a world that nobody gave one: it has no border contacts. No choice of a border, but part of the world's
+// saved state, so tapes depend on it.
+inline constexpr BorderMode kUnusedBorder = BorderMode::kCapped;
+
 // How the border acts in a step.
 struct BorderRule {
-  BorderMode mode{BorderMode::kCapped};
+  BorderMode mode{kUnusedBorder};
   double budget_J{std::numeric_limits<double>::max()};  // see BorderSolver::prepare; set before each step
 };
 

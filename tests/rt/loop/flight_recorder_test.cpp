@@ -16,6 +16,7 @@ namespace {
 
 LoopConfig make_config() {
   LoopConfig config;
+  config.sub_world.border_mode = physics::BorderMode::kCapped;
   config.sub_world.ratio = 4;
   config.sub_world.step.dt = config.period_s;
   config.sub_world.capacities = {.bodies = 4, .fixed_bodies = 1, .pairs = 8, .contacts = 4, .border_contacts = 2};

@@ -30,6 +30,7 @@ inline constexpr std::uint32_t kEmergencyStop = 77;
 inline LoopConfig make_config(CouplingScheme scheme = CouplingScheme::kDirect) {
   LoopConfig config;
   config.sub_world.scheme = scheme;
+  config.sub_world.border_mode = physics::BorderMode::kCapped;
   config.sub_world.ratio = 5;
   config.sub_world.proxy = kProxy;
   config.sub_world.step.dt = config.period_s;

@@ -2,12 +2,15 @@
 
 #include <catch2/catch.hpp>
 
+#include "tests/support/body_index.h"
 #include "tests/support/physics_bench.h"
 
 namespace {
 
 using namespace tactus;
 using namespace tactus::sim;
+using tactus::test::operator""_slot;
+using physics::SlotIndex;
 using test::PhysicsBench;
 
 constexpr double kHalf = 0.05, kMass = 0.2;
@@ -20,14 +23,14 @@ PhysicsBench make_bench() {
   return bench;
 }
 
-OutsideAnswer found(const physics::World& world, std::uint32_t slot, std::vector<std::uint8_t> members,
+OutsideAnswer found(const physics::World& world, SlotIndex slot, std::vector<std::uint8_t> members,
                     double added_inertia = kRigid, double step_s = 0.01) {
   ApparentInertia admittance(64, 256, 4);
   members.resize(64, 0);
   admittance.index(world, added_inertia, step_s);
   return admittance.find(slot, members);
 }
-physics::Admittance answer_of(const PhysicsBench& bench, std::uint32_t slot, std::vector<std::uint8_t> members) {
+physics::Admittance answer_of(const PhysicsBench& bench, SlotIndex slot, std::vector<std::uint8_t> members) {
   return found(bench.world, slot, std::move(members)).admittance;
 }
 
@@ -38,7 +41,7 @@ PhysicsBench pushed_row(std::uint32_t count, double friction) {
   for (std::uint32_t k = 0; k < count; ++k)
     bench.add_box(k, {kHalf, kHalf, kHalf}, kMass, friction, {{2 * kHalf * k, 0, 0}, {}});
   for (int step = 0; step < 20; ++step) {
-    bench.world.apply_wrench(physics::SlotIndex{0}, {{2, 0, 0}, {}});
+    bench.world.apply_wrench(0_slot, {{2, 0, 0}, {}});
     bench.step();
   }
   return bench;
@@ -50,7 +53,7 @@ TEST_CASE("A body that nothing touches answers with its own mass and inertia") {
   PhysicsBench bench = make_bench();
   bench.add_box(0, {0.02, 0.03, 0.04}, kMass, 0.5, {{1, 2, 3}, quat_from_rotation_vector(Vec3d{0.3, -0.2, 0.5})});
   bench.step();
-  const auto w = answer_of(bench, 0, {});
+  const auto w = answer_of(bench, 0_slot, {});
   const auto& body = bench.body(0);
   const Vec3d force{1, -2, 0.5}, torque{0.1, 0.4, -0.3};
   const Twistd turn = w * Wrenchd{force, torque};
@@ -66,7 +69,7 @@ TEST_CASE("A cube that stands on the ground answers to no push, as far as its fr
   bench.add_ground(9, 0.5);
   bench.add_stack(0, 3, kHalf, kMass, 0.5);
   bench.run(50);
-  const auto w = answer_of(bench, 2, {});  // on two others
+  const auto w = answer_of(bench, 2_slot, {});  // on two others
   for (const Vec3d& push : {Vec3d{0, 0, -1}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}})
     CHECK(norm((w * Wrenchd{push, {}}).linear) < 1e-3 / kMass);
   CHECK(norm((w * Wrenchd{{}, {1, 1, 1}}).angular) < 1e-2 / bench.body(2).inertia.x);
@@ -77,7 +80,7 @@ TEST_CASE("On slippery ground it gives way sideways, and not downwards") {
   bench.add_ground(9, 0);
   bench.add_stack(0, 1, kHalf, kMass, 0);
   bench.run(50);
-  const auto w = answer_of(bench, 0, {});
+  const auto w = answer_of(bench, 0_slot, {});
   CHECK((w * Wrenchd{{1, 0, 0}, {}}).linear.x == Approx(1 / kMass).epsilon(1e-3));
   CHECK(std::abs((w * Wrenchd{{0, 0, 1}, {}}).linear.z) < 1e-3 / kMass);
 }
@@ -86,14 +89,14 @@ TEST_CASE("The first outside body of a row answers with the mass of the whole ro
   const auto count = GENERATE(2u, 5u, 17u);
   const double friction = GENERATE(0.0, 0.5);
   const PhysicsBench bench = pushed_row(count, friction);
-  const auto w = answer_of(bench, 1, {1});
+  const auto w = answer_of(bench, 1_slot, {1});
   CHECK((w * Wrenchd{{1, 0, 0}, {}}).linear.x == Approx(1 / (kMass * (count - 1))).epsilon(1e-3));
   if (friction == 0) CHECK((w * Wrenchd{{0, 1, 0}, {}}).linear.y >= (1 - 1e-3) / (kMass * (count - 1)));
 }
 
 TEST_CASE("A row longer than is followed counts as far as it is followed") {
   const PhysicsBench bench = pushed_row(45, 0);
-  const auto w = answer_of(bench, 1, {1});
+  const auto w = answer_of(bench, 1_slot, {1});
   const double counted = (w * Wrenchd{{1, 0, 0}, {}}).linear.x * kMass;
   CHECK(counted == Approx(1.0 / ApparentInertia::kMaxBodies).epsilon(0.01));
 }
@@ -107,7 +110,7 @@ TEST_CASE("An answer never gains energy: work of any wrench on its own answer is
                   {{random(-0.08, 0.08), random(-0.08, 0.08), 0.06 + 0.12 * k}, {}});
   bench.run(60);
   for (std::uint32_t slot = 0; slot < 12; ++slot) {
-    const auto w = answer_of(bench, slot, {1, 1});
+    const auto w = answer_of(bench, SlotIndex{slot}, {1, 1});
     for (int i = 0; i < 20; ++i) {
       const Wrenchd p{{random(-1, 1), random(-1, 1), random(-1, 1)},
                       {random(-0.1, 0.1), random(-0.1, 0.1), random(-0.1, 0.1)}};
@@ -125,7 +128,7 @@ TEST_CASE("A contact gives way as its spring and damper do over the cycle") {
   bench.run(50);
   // Four points, each G = m a2 in all directions: against a push through the centre downwards they add up.
   for (const double added : {0.5, 40.0, 3000.0}) {
-    const Twistd down = found(bench.world, 0, {}, added).admittance * Wrenchd{{0, 0, -1}, {}};
+    const Twistd down = found(bench.world, 0_slot, {}, added).admittance * Wrenchd{{0, 0, -1}, {}};
     CHECK(-down.linear.z * kMass == Approx(1 / (1 + 4 * added)).epsilon(1e-3));
   }
 }
@@ -135,12 +138,12 @@ TEST_CASE(
   PhysicsBench bench = pushed_row(5, 0.5);
   const Twistd moving{{0.3, -0.1, 0.2}, {}};
   for (auto& body : bench.world.bodies()) body.motion.velocity = moving;
-  const Twistd goes_on = found(bench.world, 2, {1}).velocity;
+  const Twistd goes_on = found(bench.world, 2_slot, {1}).velocity;
   // Not to the last digit: the contacts give way by 1 / kRigid.
   CHECK(norm(goes_on.linear - moving.linear) < 1e-5 * norm(moving.linear));
   CHECK(norm(goes_on.angular) < 1e-4);
   bench.world.bodies()[2].motion.velocity = {{1, 2, 3}, {4, 5, 6}};
-  const Twistd alone = found(bench.world, 2, {1, 1, 0, 1}).velocity;  // members hold nothing
+  const Twistd alone = found(bench.world, 2_slot, {1, 1, 0, 1}).velocity;  // members hold nothing
   CHECK(norm(alone.linear - Vec3d{1, 2, 3}) < 1e-9);
   CHECK(norm(alone.angular - Vec3d{4, 5, 6}) < 1e-9);
 }
@@ -149,7 +152,7 @@ TEST_CASE("Bodies that press on each other and move apart go on with their commo
   PhysicsBench bench = pushed_row(3, 0);
   const double speed[3] = {0, 0.2, -0.1};  // the first is a member
   for (int k = 0; k < 3; ++k) bench.world.bodies()[std::size_t(k)].motion.velocity = {{speed[k], 0, 0}, {}};
-  CHECK(found(bench.world, 1, {1}).velocity.linear.x == Approx(0.05).epsilon(1e-3));
+  CHECK(found(bench.world, 1_slot, {1}).velocity.linear.x == Approx(0.05).epsilon(1e-3));
 }
 
 TEST_CASE("A cube that creeps while it is held goes on creeping, whatever its velocity of the instant") {
@@ -160,7 +163,7 @@ TEST_CASE("A cube that creeps while it is held goes on creeping, whatever its ve
   const Vec3d crept{2e-5, 0, -1e-5};
   bench.body(0).motion.pose.position += crept;
   bench.body(0).motion.velocity = {{-0.004, 0.001, 0.002}, {0.01, 0, 0}};
-  const Twistd goes_on = found(bench.world, 0, {}).velocity;
+  const Twistd goes_on = found(bench.world, 0_slot, {}).velocity;
   CHECK(norm(goes_on.linear - crept * (1 / bench.settings.dt)) < 1e-3 * 0.002);
   CHECK(norm(goes_on.angular) < 1e-3 * 0.01);
 }
@@ -177,7 +180,7 @@ TEST_CASE("A cube that is held and goes up in one step and down in the next goes
     bench.run(1);
     bench.body(0).motion.pose.position += by;
     admittance.index(bench.world, kRigid, bench.settings.dt);
-    const Twistd velocity = admittance.find(0, std::vector<std::uint8_t>(64, 0)).velocity;
+    const Twistd velocity = admittance.find(0_slot, std::vector<std::uint8_t>(64, 0)).velocity;
     bench.body(0).motion.pose.position -= by;
     return velocity.linear;
   };
@@ -194,7 +197,7 @@ TEST_CASE("A cube that trembles on the ground stays, one that slides or is carri
   bench.add_stack(0, 1, kHalf, kMass, friction);
   bench.run(50);
   bench.body(0).motion.velocity = {{0.01, 0, -0.02}, {0, 0.1, 0}};
-  const Twistd goes_on = found(bench.world, 0, {}).velocity;
+  const Twistd goes_on = found(bench.world, 0_slot, {}).velocity;
   CHECK(std::abs(goes_on.linear.z) < 1e-4 * 0.02);
   CHECK(std::abs(goes_on.angular.y) < 1e-3 * 0.1);
   if (friction == 0)
@@ -215,7 +218,7 @@ struct EffectBench {
     REQUIRE(
         world.insert(physics::make_dynamic_body(id, physics::Shape::box({kHalf, kHalf, kHalf}), kMass, 0.5, {at, {}})));
   }
-  physics::Admittance answer_of(std::uint32_t slot) {
+  physics::Admittance answer_of(SlotIndex slot) {
     physics::StepSettings settings;
     settings.gravity = {};
     world.begin_step(settings);
@@ -246,7 +249,7 @@ TEST_CASE("A door answers about its hinge alone, with its inertia there, and not
   const std::vector joints{hinge};
   EffectBench bench(setups_of(joints));
   bench.add_cube(0, {lever_arm, 0, 1});
-  const auto w = bench.answer_of(0);
+  const auto w = bench.answer_of(0_slot);
   const double inertia = bench.world.bodies()[0].inertia.z + kMass * lever_arm * lever_arm;
   const Twistd swing = w * Wrenchd{{0, 1, 0}, {}};
   CHECK(swing.linear.y == Approx(held ? 0.0 : lever_arm * lever_arm / inertia).epsilon(1e-3).margin(1e-2));
@@ -267,7 +270,7 @@ TEST_CASE("Bodies that a joint holds together answer as far as it holds") {
   EffectBench bench(setups_of(joints));
   bench.add_cube(0, {0, 0, 0});
   bench.add_cube(1, {0.5, 0, 0});
-  const auto w = bench.answer_of(0);
+  const auto w = bench.answer_of(0_slot);
   // Along the line between them; along the slider's axis, z, each goes by itself.
   CHECK((w * Wrenchd{{1, 0, 0}, {}}).linear.x == Approx(1 / (2 * kMass)).epsilon(1e-3));
   if (joint.kind == physics::JointKind::kSlider || rod)
@@ -281,10 +284,10 @@ TEST_CASE("A kinematic body answers to nothing, and is a wall to what presses on
   EffectBench bench(setups);
   bench.add_cube(0, {0, 0, 0});
   bench.add_cube(1, {2 * kHalf, 0, 0});
-  CHECK(norm((bench.answer_of(1) * Wrenchd{{1, 2, 3}, {1, 2, 3}}).linear) == 0);
+  CHECK(norm((bench.answer_of(1_slot) * Wrenchd{{1, 2, 3}, {1, 2, 3}}).linear) == 0);
   bench.world.bodies()[0].motion.velocity.linear = {0.2, 0, 0};
-  CHECK(std::abs((bench.answer_of(0) * Wrenchd{{1, 0, 0}, {}}).linear.x) < 1e-3 / kMass);
+  CHECK(std::abs((bench.answer_of(0_slot) * Wrenchd{{1, 0, 0}, {}}).linear.x) < 1e-3 / kMass);
   bench.world.bodies()[1].motion.velocity.linear = {-0.3, 0, 0};  // and takes it along
   const double pushed_out = 0.01;  // m/s: it ran into the kinematic one, and goes on coming out
-  CHECK(found(bench.world, 0, {}, kRigid, 1e-3).velocity.linear.x == Approx(-0.3).margin(pushed_out));
+  CHECK(found(bench.world, 0_slot, {}, kRigid, 1e-3).velocity.linear.x == Approx(-0.3).margin(pushed_out));
 }

@@ -3,13 +3,16 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
+#include "tests/support/body_index.h"
 #include "tests/support/physics_bench.h"
 
 namespace {
 
 using namespace tactus;
 using namespace tactus::sim;
+using tactus::test::operator""_slot;
 using physics::Shape;
+using physics::SlotIndex;
 using Return = physics::BorderTraits::Return;
 using physics::Body;
 using physics::Contact;
@@ -60,8 +63,8 @@ Twistd member_answer(const haptics::OutsideBody& body, std::span<const haptics::
   return body.admittance * load;
 }
 
-Vec3d momentum_of(const World& world, std::uint32_t slot) {
-  return world.bodies()[slot].mass * world.bodies()[slot].motion.velocity.linear;
+Vec3d momentum_of(const World& world, SlotIndex slot) {
+  return world.body(slot).mass * world.body(slot).motion.velocity.linear;
 }
 
 Vec3d friction_on_slab(const World& world) {
@@ -91,12 +94,12 @@ const std::vector<std::uint8_t> kCardIsMember{0, 1};
 TEST_CASE(
     "Replay hands on the tangential impulses themselves: momentum and moment of the outside body change by them") {
   auto world = card_on_slab();
-  const Vec3d before = momentum_of(*world, 0);
+  const Vec3d before = momentum_of(*world, 0_slot);
   const auto angular_before = world->bodies()[0].motion.velocity.angular;
   const Vec3d j1{0.3, -0.1, 0}, j2{0.05, 0.2, 0};
   const auto given = returns(j1, j2);
   const ImpulseReturn back = return_impulses(given, kCardIsMember, Return::kImpulse, *world);
-  const Vec3d change = momentum_of(*world, 0) - before;
+  const Vec3d change = momentum_of(*world, 0_slot) - before;
   CHECK(norm(change + (j1 + j2)) < 1e-14);
   CHECK(norm(back.impulse_Ns + (j1 + j2)) < 1e-14);
   const auto& slab = world->bodies()[0];
@@ -110,34 +113,34 @@ TEST_CASE("Otherwise only what the global step did not do itself is handed on") 
   auto world = card_on_slab();
   const Vec3d friction = friction_on_slab(*world);
   REQUIRE(norm(friction) == Approx(0.4 * kPress_N * kStep_s).epsilon(0.01));  // it slides
-  const Vec3d before = momentum_of(*world, 0);
+  const Vec3d before = momentum_of(*world, 0_slot);
   SECTION("the same friction in both worlds: nothing is left to hand on") {
     return_impulses(returns(-0.25 * friction, -0.75 * friction), kCardIsMember, Return::kChange, *world);
-    CHECK(norm(momentum_of(*world, 0) - before) < 1e-15);
+    CHECK(norm(momentum_of(*world, 0_slot) - before) < 1e-15);
   }
   SECTION("another friction in the sub-world: the difference") {
     const Vec3d j1{0.3, -0.1, 0}, j2{0.05, 0.2, 0};
     return_impulses(returns(j1, j2), kCardIsMember, Return::kChange, *world);
-    CHECK(norm(momentum_of(*world, 0) - before + (j1 + j2 + friction)) < 1e-14);
+    CHECK(norm(momentum_of(*world, 0_slot) - before + (j1 + j2 + friction)) < 1e-14);
   }
 }
 
 TEST_CASE("The work of outside bodies on members is what changes their energy, normal and friction, with sign") {
   // The card alone: gravity and the slab act on it. Seen from the slab, the card alone does.
   auto world = card_on_slab();
-  const auto energy = [&](std::uint32_t slot) {
-    const auto& body = world->bodies()[slot];
+  const auto energy = [&](SlotIndex slot) {
+    const auto& body = world->body(slot);
     return kinetic_energy(body) + 9.81 * body.mass * body.gravity_scale * body.motion.pose.position.z;
   };
-  const double card_J = energy(1), slab_J = energy(0);
+  const double card_J = energy(1_slot), slab_J = energy(0_slot);
   const std::vector<Twistd> before{world->bodies()[0].motion.velocity, world->bodies()[1].motion.velocity};
   step(*world);
   const double on_card_J = border_work_J(*world, before, kCardIsMember, kStep_s);
   const double on_slab_J = border_work_J(*world, before, std::vector<std::uint8_t>{1, 0}, kStep_s);
   CHECK(on_card_J < 0);  // it is braked
   CHECK(on_slab_J > 0);
-  CHECK(on_card_J == Approx(energy(1) - card_J).epsilon(0.01));
-  CHECK(on_slab_J == Approx(energy(0) - slab_J).epsilon(0.01));
+  CHECK(on_card_J == Approx(energy(1_slot) - card_J).epsilon(0.01));
+  CHECK(on_slab_J == Approx(energy(0_slot) - slab_J).epsilon(0.01));
 }
 
 TEST_CASE("What outside bodies gained in energy is booked") {
@@ -150,11 +153,11 @@ TEST_CASE("What outside bodies gained in energy is booked") {
 
 TEST_CASE("A body that is a member by now gets nothing: its own world moves it") {
   auto world = card_on_slab();
-  const Vec3d before = momentum_of(*world, 0);
+  const Vec3d before = momentum_of(*world, 0_slot);
   const std::vector<std::uint8_t> both{1, 1};
   const ImpulseReturn back = return_impulses(returns({1, 0, 0}, {1, 0, 0}), both, Return::kImpulse, *world);
   CHECK(back.skipped == 2);
-  CHECK(momentum_of(*world, 0) == before);
+  CHECK(momentum_of(*world, 0_slot) == before);
 }
 
 TEST_CASE("A return of an unknown body, or one that is not a number, changes nothing") {

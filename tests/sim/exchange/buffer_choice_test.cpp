@@ -9,6 +9,7 @@ namespace {
 using namespace tactus;
 using namespace tactus::sim;
 using tactus::test::operator""_b;
+using tactus::test::operator""_slot;
 
 // Body 0 is the proxy. The first `members` bodies are members: no other is free.
 struct Bench {
@@ -27,19 +28,20 @@ struct Bench {
     touches.push_back({BodyIndex{a}, BodyIndex{b}, {5.0 * (a + b), 0, 0}, {1, 0, 0}, joined});
   }
   // It presses on static geometry.
-  void ground(std::uint32_t slot) {
+  void ground(physics::SlotIndex slot) {
     physics::Contact contact;
-    contact.slot_a = slot;
+    contact.slot_a = number_of(slot);
     contact.b_fixed = true;
     contact.count = 1;
     contact.points[0].total_normal_impulse = 1;
     contacts.push_back(contact);
   }
   // The ghost of an outside body, with that inverse mass.
-  void ghost(std::uint32_t slot, double w) {
+  void ghost(BodyIndex of, double w) {
+    const physics::Body& own = bodies[number_of(of)];
     haptics::OutsideBody body;
-    body.id = slot;
-    body.centre = bodies[slot].motion.pose.position;
+    body.id = own.id;
+    body.centre = own.motion.pose.position;
     body.admittance.linear = {w, w, w, 0, 0, 0};
     outside.push_back(body);
   }
@@ -121,11 +123,11 @@ TEST_CASE("The mass of a member at the end of a group does not count where its s
   b.link(1, 2);
   b.link(1, 3);
   b.link(3, 4);
-  b.ground(2);
+  b.ground(2_slot);
   const bool at_edge = GENERATE(false, true), under_light = GENERATE(false, true);
   // A sphere's inertia is 0.4 m r^2: 0.11 m aside the 2 kg weigh 0.5 kg, and the cube's ghost 0.2.
   if (at_edge) b.touches[1].point.y = b.touches[2].point.y = 0.11;
-  b.ghost(4, under_light ? 1 / 0.2 : 0);
+  b.ghost(4_b, under_light ? 1 / 0.2 : 0);
   for (std::uint32_t k = 2; at_edge && k <= 3; ++k) b.bodies[k].motion.pose.position.y = 0.11;
   const bool even = at_edge && under_light;
   CHECK(b.choose(even ? 0 : 2) == (even ? Chosen{3} : Chosen{1, 2, 3}));
@@ -137,7 +139,7 @@ TEST_CASE("Light bodies in series count, whatever holds the last one") {
   b.link(1, 2);
   b.link(2, 3);
   b.link(3, 4);
-  b.ghost(4, 1e3);
+  b.ghost(4_b, 1e3);
   CHECK(b.choose(2) == Chosen{1, 2, 3});
 }
 
@@ -147,6 +149,6 @@ TEST_CASE("A joint holds as firmly as the ground") {
   b.link(0, 1);
   b.link(1, 2);
   b.link(2, 3, joined);
-  b.ghost(3, 1);
+  b.ghost(3_b, 1);
   CHECK(b.choose(joined ? 1 : 0) == (joined ? Chosen{1, 2} : Chosen{2}));
 }

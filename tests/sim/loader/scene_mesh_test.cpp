@@ -6,10 +6,10 @@
 #include <fstream>
 
 #include "rt/haptics/coupling/snapshot_bytes.h"
-#include "sim/global_world.h"
 #include "sim/loader/scene_load.h"
 #include "sim/loader/scene_report.h"
 #include "tests/sim/geometry/mesh_support.h"
+#include "tests/sim/global_world_bench.h"
 
 using namespace tactus;
 using namespace tactus::sim;
@@ -126,7 +126,7 @@ TEST_CASE("the triangles of a snapshot are those that the tree finds, and they s
   INFO(loaded.message());
   REQUIRE(loaded.ok());
   const Scene& scene = loaded.value();
-  GlobalWorld global(scene, {});
+  GlobalWorld global(scene, tactus::test::capped_border());
   const auto snapshot = std::make_unique<haptics::WorldSnapshot>();
   global.first_snapshot(*snapshot);
   REQUIRE(snapshot->near_regions.size() > 0);

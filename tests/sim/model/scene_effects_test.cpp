@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "rt/haptics/coupling/sub_world.h"
-#include "sim/global_world.h"
 #include "sim/loader/scene_load.h"
+#include "tests/sim/global_world_bench.h"
 
 using namespace tactus;
 using namespace tactus::sim;
@@ -183,7 +183,7 @@ struct Worlds {
   std::unique_ptr<haptics::WorldSnapshot> snapshot = std::make_unique<haptics::WorldSnapshot>();
   std::unique_ptr<haptics::SubWorldReport> report = std::make_unique<haptics::SubWorldReport>();
   static GlobalOptions options(std::uint32_t cap) {
-    GlobalOptions options;
+    GlobalOptions options = tactus::test::capped_border();
     options.extraction.cap = cap;
     return options;
   }
@@ -192,6 +192,7 @@ struct Worlds {
   }
   haptics::SubWorldConfig sub_config() const {
     haptics::SubWorldConfig config;
+    config.border_mode = physics::BorderMode::kCapped;
     config.proxy = scene.proxy;
     config.capacities.border_contacts = haptics::kMaxBorderPoints;
     config.effects = effect_setups(scene);

@@ -31,6 +31,7 @@ inline constexpr double kTick_s = 1e-3, kMass = 0.5, kRadius = 0.05;
 inline SubWorldConfig make_config(CouplingScheme scheme = CouplingScheme::kSubWorld) {
   SubWorldConfig config;
   config.scheme = scheme;
+  config.border_mode = physics::BorderMode::kCapped;
   config.ratio = 5;
   config.proxy = kProxy;
   config.step.dt = kTick_s;
