@@ -1,7 +1,10 @@
 // Type-erased link, for a kind that is chosen when the program starts: one virtual call per function of FrameLink.
 //
-// Owns the link. Threads and bounds: those of the link inside. start(), for links that have one, is called just before
-// the first tick: it drops waiting frames and resets the counters.
+// Owns the link. start(), for links that have one, is called just before the first tick: it drops waiting frames and
+// resets the counters.
+// Thread: construction and start() [setup]; receive(), send(), connected(), counters() [rt], by the haptic thread
+// alone; call() and as() [setup] and normal threads. The link inside may allow more. Bound and errors: those of the
+// link inside.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,5 @@
 // The device classes, one line each: the constants NAME_class of hal/classes/, in the order of messages and help.
+// Thread: [setup]; only device_class.cpp includes it.
 #define TACTUS_DEVICE_CLASSES(X) \
   X(simulated)                   \
   X(usb)                         \

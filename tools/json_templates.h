@@ -1,5 +1,5 @@
 // The JSON library's classes, compiled once for all of tools, in json_templates.cpp: in each file that prints a report
-// they would take as long as the file.
+// they would take as long to compile as the rest of the file. Thread: none; declarations only.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -2,7 +2,9 @@
 //
 // Those of kDriveReportsFault and kDriveLeftForce carry what the drive said: bits 0 to 7 are the number, bits 8 to 11
 // the family plus one, bits 12 to 30 the family's code, or the mode. Of error bits it is the lowest one's position plus
-// one.
+// one. An axis is 0 to 5, in the order of the description.
+// Thread: the numbers, drive_left_force(), drive_never_enabled(), drive_fault_of(), number_of_drive_fault() [any],
+// [rt], pure; the describe functions allocate: normal threads. Source of the codes' words: the makers' manuals.
 #pragma once
 
 #include <cstdint>

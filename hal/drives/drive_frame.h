@@ -1,4 +1,5 @@
-// A frame on a drive's CAN bus, and byte access in both orders. Plain values; thread: [any].
+// A frame on a drive's CAN bus, and byte access in both orders. Thread: [any]; plain values. Bound: put() adds to at
+// most 64 bytes; the caller counts them.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// Faults of a Falcon, by number (hal/host_faults.h).
+// Faults of a Falcon, by number (hal/host_faults.h). falcon_logic.h raises them. Thread: [any]; constants and a pure
+// function.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,10 @@
-// The Falcon's packets: 16 characters each way, one answer per request. Pure functions; thread: [any], [rt].
+// The Falcon's packets: 16 characters each way, one answer per request.
 //
 // '<', three numbers of 16 bits as four characters 'A' + nibble, least significant first, a character of bits, 'A',
 // '>'. Bits to the device: 1 homing, 2, 4, 8 green, blue, red light. From it: 1, 2, 4, 8 the buttons, 16, 32, 64 the
 // homed axes. Source: libnifalcon and the ROS drivers; not tried on a device.
+// Thread: the functions [any], [rt], pure; a FalconScanner: one owner, [rt]. Units: counts of the encoders, the
+// device's numbers for a motor. Errors: a packet that does not decode is dropped and counted.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// Faults that a maker's library reports, by number (hal/host_faults.h).
+// Faults that a maker's library reports, by number (hal/host_faults.h). dhd_port.cpp, hd_port.cpp and sdk_device.cpp
+// raise them. Thread: the numbers [any]; describe_sdk_fault() allocates: normal threads.
 #pragma once
 
 #include <cstdint>

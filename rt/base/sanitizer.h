@@ -1,5 +1,5 @@
 // Which sanitizer this is built for: TACTUS_ADDRESS_SANITIZER and TACTUS_THREAD_SANITIZER are 1 or 0, with gcc and
-// clang.
+// clang. Thread: [any]; constants of the preprocessor.
 #pragma once
 
 #if defined(__has_feature)

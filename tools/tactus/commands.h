@@ -1,5 +1,7 @@
 // The subcommands of the program, one source file each. Every function adds its subcommand to the program and sets
 // `exit_code` when it runs: 0 good; 1 it ran and the verdict is bad; 2 bad usage or input; 3 the machine cannot run it.
+//
+// Thread: main.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,7 @@
 // tactus hil --calibrate: the force gain of a device, with a kitchen scale and a person who reads it.
+//
+// Thread: main, as long as the person takes; a thread of hil::HeldForce holds the force meanwhile. Units: N, readings
+// in g (tools/hil/scale_calibration.h, which computes the gain).
 #pragma once
 
 #include <string>

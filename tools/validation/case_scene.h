@@ -1,5 +1,6 @@
-// Makes a hard case's scene from TOML, with the solver settings of the case in both worlds. [setup] Aborts if the text
-// is not a valid scene, because it is part of the program.
+// Makes a hard case's scene from TOML, with the solver settings of the case in both worlds.
+//
+// Thread: [setup]. Errors: aborts if the text is not a valid scene, because it is part of the program.
 #pragma once
 
 #include <string>

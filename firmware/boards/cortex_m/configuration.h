@@ -1,8 +1,8 @@
 // The factory configuration of the image: a desktop arm with three force axes. Registers can change it.
 //
-// Units: see controller.h; the three axes are rotary, rad and N m. 1 kHz. The figures are those that the host computes
-// from its description desk3d, to four digits (a test compares the two); for another arm change them here, or write the
-// registers.
+// Thread: [any]; constants. Units: see controller.h; the three axes are rotary, rad and N m. 1 kHz. The figures are
+// those that the host computes from its description desk3d, to four digits (a test compares the two); for another arm
+// change them here, or write the registers.
 #pragma once
 
 #include "firmware/controller.h"

@@ -1,8 +1,10 @@
 // The messages that the two worlds exchange once a cycle: WorldSnapshot G(n) from the global world to the haptic
 // thread, SubWorldReport H(n) back. Values only, written in place in a double buffer, so unused capacity costs nothing.
 //
-// Frame: world. Units: SI. Source: the paper, section 2; the cycle in which they are exchanged is in the README.
-// Bound: the capacities below; the writer keeps the most important entries (its order) and counts the rest.
+// Thread: values; the global world's writes a snapshot and the haptic one [rt] reads it, a report goes the other way
+// (exchange.h). Frame: world, unless a field says otherwise. Units: SI. Source: the paper, section 2; rt/README.md
+// shows the cycle in which they are exchanged. Bound: the capacities below; the writer keeps the most important entries
+// (its order) and counts the rest.
 #pragma once
 
 #include <cstddef>

@@ -4,8 +4,8 @@
 //
 // What it has: frames, states, watchdog, limits, faults 1 to 5, service messages, and the registers that a host asks
 // for. What a product adds: homing by index pulses, temperature, arm weight, a memory for `save`, the fault log.
-// conformance.c runs it against firmware/conformance.txt, can_fd.c on a CAN FD bus. No heap, no lock, bounded. Units:
-// SI.
+// conformance.c runs it against firmware/conformance.txt, can_fd.c on a CAN FD bus. No heap, no lock, bounded.
+// Thread: one at a time for a device. Units: SI.
 #ifndef TACTUS_DEVICE_H
 #define TACTUS_DEVICE_H
 
