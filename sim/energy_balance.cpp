@@ -15,7 +15,7 @@ double inverse_mass_at(const physics::Body& body, const Vec3d& arm, const Vec3d&
 
 }  // namespace
 
-bool energy_can_be_booked(const Scene& scene) noexcept {
+bool energy_balance_is_complete(const Scene& scene) noexcept {
   if (scene.effects.kinematic || scene.effects.attraction || scene.effects.restitution) return false;
   return std::none_of(scene.effect_data.joints.begin(), scene.effect_data.joints.end(),
                       [](const auto& joint) { return joint.driven; });

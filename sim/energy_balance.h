@@ -47,7 +47,7 @@ struct EnergyBalance {
 };
 
 // True if only gravity, friction, damping and the hand do work in this scene.
-bool energy_can_be_booked(const Scene& scene) noexcept;
+bool energy_balance_is_complete(const Scene& scene) noexcept;
 
 // Energy of the last step's contact springs, at the present poses: sum over the points of k e^2 / 2, k = m w^2, e: the
 // overlap beyond the slop.

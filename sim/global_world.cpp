@@ -140,7 +140,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     bounds_settings_.sub_steps = scene.solver.far_sub_steps(options.reach.ratio);
   statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
-  statistics_.energy.complete = coupling_.border && devices_.size() == 1 && energy_can_be_booked(scene);
+  statistics_.energy.complete = coupling_.border && devices_.size() == 1 && energy_balance_is_complete(scene);
   thinnest_m_ = physics::thinnest(scene.bodies);
   if (scene.sleeping.from_start) sleep_from_start();
   asleep_J_ = islands_.potential_energy(settings_.gravity);
@@ -392,8 +392,8 @@ void GlobalWorld::look_at_overlaps(double deepest_m) noexcept {
   if (deepest.share > statistics_.overlap.share) statistics_.overlap = deepest;
 }
 
-// Books the energy at t_n, with the members' state as imposed. Call before impulses are returned: contacts have not yet
-// reacted to those.
+// Adds the energy at t_n to the balance, with the members' state as imposed. Call before impulses are returned:
+// contacts have not yet reacted to those.
 void GlobalWorld::update_energy_balance(const SubWorldReport& report) noexcept {
   if (!statistics_.energy.due()) return;
   // Sleeping bodies do not move: their sum is recomputed only when their set changes.

@@ -108,7 +108,7 @@ Wrenchd Passivity::control(const Wrenchd& wanted, const Twistd& tool_velocity, c
           control_port(state.rotation, config.rotation, config, state.newest, wanted.torque, tool_velocity.angular)};
 }
 
-void Passivity::book(const Wrenchd& sent) noexcept {
+void Passivity::record_sent(const Wrenchd& sent) noexcept {
   state.newest = (state.newest + 1) % kSlots;
   const auto put = [this](Port& port, const Vec3d& wrench) {
     const bool none = norm_squared(wrench) == 0;  // disarmed: no damping is in transit either

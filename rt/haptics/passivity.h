@@ -1,24 +1,24 @@
-// Time-domain passivity at the device port: an observer that books the energy that the hand and the virtual side
+// Time-domain passivity at the device port: an observer that sums the energy that the hand and the virtual side
 // exchange, and a controller that adds damping when the virtual side has given more than it got.
 //
-// Thread: control(), book() [rt], once a tick each. Frame: one for both arguments (the loop: device). Units: SI.
+// Thread: control(), record_sent() [rt], once a tick each. Frame: one for both arguments (the loop: device). Units: SI.
 // Wrenches are on the hand, as commanded to the device. Energy counts positive into the virtual side:
 //   E_k = E_(k-1) - T f_(k-1-d).v_k    f: really sent (after all limits), v: over the interval just ended
 // d: the transport delay in ticks, from a sample to the effort that answers it. The device holds f_(k-1-d) while it
-// makes the motion v_k, on whichever path the delay lies. An account without d counts a delayed spring as passive
+// makes the motion v_k, on whichever path the delay lies. A sum without d takes a delayed spring for passive
 // although it is not: a spring K with damping B supplies K (T/2 + t_d) |v|^2 and dissipates B |v|^2. For a fractional
 // delay both wrenches are weighted by their share. Exact where v is the backward difference of the tool's pose and the
 // hold starts with the tick.
-// Translation and rotation are booked apart: a spring's energy must not pay for a torque.
+// Translation and rotation have separate energy balances: a spring's energy must not pay for a torque.
 // When E_k + D_k < 0 and |v| > v_eps:  f_k = f - alpha v_k,  alpha = min(alpha_max, -(E_k + D_k) / (T |v_k|^2)).
 // D_k: what the damping that is sent and not yet felt will take if the hand keeps its speed; 0 without a delay. The
-// damping is booked when it is felt, so what alpha_max left unpaid stays in E as a debt for the next ticks.
+// damping counts when it is felt, so what alpha_max left unpaid stays in E as a debt for the next ticks.
 // Bounds: alpha <= alpha_max, so the controller never kicks; E >= -debt_cap_J, the rest is forgiven (counted), so it
 // never brakes for long; E <= energy_cap_J + what the coupling stored d ticks ago, which is what the hand can still get
 // back; the rest is dropped (counted), so that an hour of dissipation cannot hide later activity. A delay beyond
 // kMaxFeltLateTicks is taken as that. A passive virtual side gets back its own wrench, bit for bit.
 // Sets kPassivityActive. Source: Hannaford, Ryu 2002, "Time-domain passivity control of haptic interfaces"; the exact
-// book for a held force: Ryu, Kim, Hannaford 2004.
+// balance for a held force: Ryu, Kim, Hannaford 2004.
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ struct Passivity {
     Vec3d damping;       // its part that the controller added
     double stored_J{0};  // by the coupling's springs in that tick
   };
-  // One port's book, J since the start. energy = in - out - dropped + forgiven.
+  // One port's energy balance, J since the start. energy = in - out - dropped + forgiven.
   struct Port {
     std::array<Sent, kMaxFeltLateTicks + 2> sent;  // ring, newest at State::newest
     Vec3d damping;                                 // of this tick, not yet sent
@@ -78,11 +78,11 @@ struct Passivity {
   Config config;
   State state;
 
-  // Books the interval just ended, then returns `wanted` plus the damping that is due. An argument that is not finite
-  // books nothing and returns `wanted` unchanged: the force limiter rejects it.
+  // Adds the energy of the interval just ended, then returns `wanted` plus the damping that is due. An argument that is
+  // not finite adds nothing and returns `wanted` unchanged: the force limiter rejects it.
   Wrenchd control(const Wrenchd& wanted, const Twistd& tool_velocity, const StoredEnergy& stored = {}) noexcept;
-  // Books the wrench that was sent to the device in this tick.
-  void book(const Wrenchd& sent) noexcept;
+  // Stores the wrench that was sent to the device in this tick: control() needs it when the device holds it.
+  void record_sent(const Wrenchd& sent) noexcept;
   std::uint32_t status() const noexcept {
     return state.translation.alpha > 0 || state.rotation.alpha > 0 ? std::uint32_t{kPassivityActive} : 0u;
   }

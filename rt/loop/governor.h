@@ -17,7 +17,7 @@ namespace tactus::loop {
 // Xeon (Sapphire Rapids) at 2 GHz, rounded, 2026-11-22. In real time `calibrate` measures the loop's own core.
 struct CostModel {
   double fixed{15000};              // includes the cache misses after the loop's sleep
-  double per_body{160};             // bounds, poses, bookkeeping
+  double per_body{160};             // bounds, poses, counters
   double per_pair{50};              // a pair in the narrow phase
   double per_search{1000};          // a pair whose shapes are compared: two boxes; other shapes count as a fraction
   double per_contact{350};          // a manifold: update, prepare, store

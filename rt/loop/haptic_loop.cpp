@@ -233,7 +233,7 @@ void HapticLoop::shape_force(TickOutput& out) noexcept {
     state_.engaged = state_.rearm = 0;
   }
   out.command.wrench = limited.wrench;
-  passivity_.book(limited.wrench);
+  passivity_.record_sent(limited.wrench);
   const auto& port = passivity_.state;
   out.device_energy_J = port.translation.in_J - port.translation.out_J + port.rotation.in_J - port.rotation.out_J;
   out.damped_energy_J = port.translation.dissipated_J + port.rotation.dissipated_J;

@@ -80,7 +80,7 @@ struct TickOutput {
   Posed target;             // world: target of the coupling
   physics::BodyMotion proxy;
   Wrenchd wanted;             // N, N m, device frame: before passivity and limits
-  double device_energy_J{0};  // into the virtual side at the device port, since the start, booked when felt
+  double device_energy_J{0};  // into the virtual side at the device port, since the start, counted when felt
   double damped_energy_J{0};  // dissipated by the passivity controller, since the start
   double border_work_J{0};    // by the border on members, since the start, with sign
   double buffer_gain_J{0};    // gained when buffer bodies took the global world's state, since the start, with sign

@@ -1,4 +1,5 @@
-// A device that owns its link, and any device behind two virtual calls: what comes through them, and the book of it.
+// A device that owns its link, and any device behind two virtual calls: what comes through them, and the link's report
+// of it.
 #include "hal/device_on_link.h"
 
 #include <catch2/catch.hpp>
@@ -66,7 +67,7 @@ TEST_CASE("a device behind the type-erased holder is the device itself: same sam
   CHECK(held.as<SimulatedDevice>()->controller().state() == firmware::State::kForce);
 }
 
-TEST_CASE("every numbered frame is in the book: fresh, corrupt or lost by the gap in the numbers") {
+TEST_CASE("every numbered frame is in the report: fresh, corrupt or lost by the gap in the numbers") {
   AnyDevice device(make_device());
   LoopbackLink& link = device.as<Device>()->link();
   std::uint64_t sequence = 0;
@@ -106,7 +107,7 @@ TEST_CASE(
   CHECK(report->link.disconnects == 1);
 }
 
-TEST_CASE("the holder and the book neither allocate nor lock in a tick") {
+TEST_CASE("the holder and its counts neither allocate nor lock in a tick") {
   AnyDevice device(make_device());
   std::uint64_t sequence = 0;
   DeviceInput input;

@@ -174,7 +174,7 @@ TEST_CASE("a wrench that the host sends is the wrench that acts on the tool") {
   }
 }
 
-TEST_CASE("the energy books of a whole run balance") {
+TEST_CASE("the energy balance of a whole run is complete") {
   Rig rig("", 1, waving_hand());
   for (int i = 0; i < 3000; ++i) {
     rig.command.wrench.force = {std::sin(i * 0.01) * 5, 2, 0};

@@ -1,4 +1,4 @@
-// The book of a world's energy: what nothing explains is seen, and what friction takes does not hide it.
+// The energy balance of a world: what nothing explains is seen, and what friction takes does not hide it.
 #include "sim/energy_balance.h"
 
 #include <catch2/catch.hpp>
@@ -73,7 +73,7 @@ TEST_CASE("a pressed contact's spring is m w^2 e^2 / 2 of what it overlaps beyon
         Approx(0.5 * mass * omega * omega * left * left));
 }
 
-TEST_CASE("a scene in which more than gravity and the hand does work has no complete book") {
+TEST_CASE("a scene in which more than gravity and the hand does work has no complete balance") {
   const std::string scene = R"(
 effects = ["gravity", "friction"EFFECT]
 [simulation]
@@ -92,7 +92,7 @@ RESTITUTIONposition_m = [0, 0, 0.3]
     auto parsed = parse_scene(text, "test");
     INFO(parsed.message());
     REQUIRE(parsed.ok());
-    return energy_can_be_booked(parsed.value());
+    return energy_balance_is_complete(parsed.value());
   };
   CHECK(with(scene, "", ""));
   CHECK_FALSE(with(scene, ", \"restitution\"", "restitution = 0.5\n"));

@@ -87,7 +87,7 @@ TEST_CASE("The members' state is imposed bit by bit, leavers included") {
   CHECK(same_bits(bench.body(1).motion, bench.scene.bodies[1].motion));
 }
 
-TEST_CASE("The work of imposing is booked: kinetic and potential energy") {
+TEST_CASE("The work of imposing is counted: kinetic and potential energy") {
   Scene scene = floating(1);
   scene.effects.gravity = true;
   scene.bodies[0].motion.pose.position = {0, 0, 0.2};

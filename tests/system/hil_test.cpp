@@ -225,8 +225,8 @@ TEST_CASE("hil: on the loop's own thread every period is a record", "[threads]")
   const auto& quiet = bench.quiet();
   REQUIRE(quiet.ok());
   CHECK(quiet.value().result.records.size() == 300);
-  CHECK(quiet.value().book.lost() == 0);
-  CHECK(quiet.value().book.fresh == 300);
+  CHECK(quiet.value().counts.lost() == 0);
+  CHECK(quiet.value().counts.fresh == 300);
   CHECK(quiet.value().result.timing.ticks >= 300);
   const auto report = run_suite(bench, {{"e-stop", "unplug", "watchdog"}, true}, {});
   for (const auto& one : report.checks) {

@@ -1,7 +1,7 @@
 // A device's link that lies: what passes through it can be lost, broken, repeated, out of all bounds, of the wrong
 // length, too much or nothing at all. Around any DeviceLink; its own faults only, the link's stay as they are.
 //
-// Each fault holds for a number of frames that is set from outside. Also keeps the book of what the host sent: the
+// Each fault holds for a number of frames that is set from outside. Also reports of what the host sent the
 // largest effort that a whole command asked for. Thread: one, the control period's.
 #pragma once
 

@@ -24,7 +24,7 @@ struct Record {
   std::uint64_t allocations{0}, steps{0};
   Measurement sum;
   double samples{0};
-  QualityBook quality;
+  QualitySampler quality;
   std::string settings, failure;
 
   explicit Record(const BoxScene& scene) : quality(scene) {}

@@ -25,7 +25,8 @@ double mean_distance(const std::vector<Posed>& from, const std::vector<Posed>& t
 
 }  // namespace
 
-QualityBook::QualityBook(const BoxScene& scene) : judge_(scene), walls_(scene.walls), escaped_(scene.cubes.size()) {
+QualitySampler::QualitySampler(const BoxScene& scene)
+    : judge_(scene), walls_(scene.walls), escaped_(scene.cubes.size()) {
   const auto bounds = [](const Wall& wall) {
     return physics::bounds_of(physics::Shape::box(wall.half_extents_m), Posed{wall.position, wall.rotation}, 0.0);
   };
@@ -33,7 +34,7 @@ QualityBook::QualityBook(const BoxScene& scene) : judge_(scene), walls_(scene.wa
   for (const Wall& wall : walls_) all_walls_ = physics::join(all_walls_, bounds(wall));
 }
 
-bool QualityBook::is_outside(const Vec3d& centre) const noexcept {
+bool QualitySampler::is_outside(const Vec3d& centre) const noexcept {
   if (!walls_.empty() && !all_walls_.overlaps({centre, centre})) return true;
   return std::any_of(walls_.begin(), walls_.end(), [&](const Wall& wall) {
     const Vec3d in_wall = rotate_inverse(wall.rotation, centre - wall.position), &half = wall.half_extents_m;
@@ -41,13 +42,13 @@ bool QualityBook::is_outside(const Vec3d& centre) const noexcept {
   });
 }
 
-void QualityBook::start(const Engine& engine) {
+void QualitySampler::start(const Engine& engine) {
   last_ = poses_of(engine.cubes());
   last_rods_ = engine.rods();
   runs_ += 1;
 }
 
-void QualityBook::sample(const Engine& engine) {
+void QualitySampler::sample(const Engine& engine) {
   const std::vector<Posed> bodies = poses_of(engine.cubes()), rods = engine.rods();
   const Overlaps overlaps = judge_.judge(bodies, rods);
   sum_.overlap_mean_m += overlaps.mean_m;
@@ -64,7 +65,7 @@ void QualityBook::sample(const Engine& engine) {
   samples_ += 1;
 }
 
-Quality QualityBook::result() const {
+Quality QualitySampler::result() const {
   Quality quality = sum_;
   if (samples_ > 0) {
     quality.overlap_mean_m /= samples_;

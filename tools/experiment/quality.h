@@ -21,9 +21,9 @@ struct Quality {
   bool complete{true};       // every pose was finite, and no pair exceeded the judge's capacity
 };
 
-class QualityBook {
+class QualitySampler {
  public:
-  explicit QualityBook(const BoxScene& scene);
+  explicit QualitySampler(const BoxScene& scene);
   void start(const Engine& engine);  // begins a run and its paths
   void sample(const Engine& engine);
   Quality result() const;  // of all runs; travel: of a run

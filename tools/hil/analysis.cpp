@@ -10,7 +10,7 @@ using firmware::is_newer;
 using firmware::Limit;
 using firmware::State;
 
-void FrameBook::add(const Record& record) noexcept {
+void FrameCounts::add(const Record& record) noexcept {
   ++ticks;
   superseded += record.superseded;
   if (record.sent != Sent::kNotTried) ++commands;
@@ -44,12 +44,12 @@ void FrameBook::add(const Record& record) noexcept {
   longest_gap_ticks = std::max(longest_gap_ticks, gap_);
 }
 
-std::uint64_t FrameBook::lost() const noexcept {
+std::uint64_t FrameCounts::lost() const noexcept {
   const std::uint64_t came = fresh - reordered - duplicated + (superseded - superseded_before_first_) + corrupt;
   return numbered > came ? numbered - came : 0;
 }
 
-std::uint64_t FrameBook::unaccounted(const hal::LinkCounters& link) const noexcept {
+std::uint64_t FrameCounts::unaccounted(const hal::LinkCounters& link) const noexcept {
   const std::uint64_t accounted = fresh + corrupt + superseded;
   return link.received > accounted ? link.received - accounted : accounted - link.received;
 }

@@ -12,7 +12,7 @@
 namespace tactus::hil {
 
 // Counts every frame that the device numbered and every command, by outcome.
-class FrameBook {
+class FrameCounts {
  public:
   void add(const Record& record) noexcept;
 

@@ -105,7 +105,7 @@ const Result<QuietExchange>& Bench::quiet() {
   QuietExchange quiet;
   quiet.result = std::move(result).value();
   for (const Record& record : quiet.result.records) {
-    quiet.book.add(record);
+    quiet.counts.add(record);
     quiet.times.add(record);
   }
   return quiet_.emplace(std::move(quiet));

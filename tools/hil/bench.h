@@ -29,7 +29,7 @@ struct HilOptions {
 // The exchange at rest, used by several checks.
 struct QuietExchange {
   ExchangeResult result;
-  FrameBook book;
+  FrameCounts counts;
   RoundTrip times;
 };
 

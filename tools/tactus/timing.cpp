@@ -112,12 +112,12 @@ int run_timing_command(TimingCommand& command) {
       timing::run_timing(o, terminal ? show_progress : timing::TimingProgress{}, g_stop, problem, viewer.watcher());
   if (terminal) fmt::print(stderr, "\r\033[K");
   if (!result) return complain("tactus timing: " + problem.text, problem.input ? kExitBadInput : kExitMachineCannot);
-  if (result->books.ticks == 0)
+  if (result->statistics.ticks == 0)
     return complain("tactus timing: stopped before a tick was measured", kExitMachineCannot);
   print_result(*result, command.json);
   for (const int failed :
        {write_file(command.svg, timing::to_svg(*result, provenance(command_of(command, result->options.run.cpu)))),
-        command.trace.empty() ? kExitGood : write_file(command.trace, timing::trace_json(result->books)),
+        command.trace.empty() ? kExitGood : write_file(command.trace, timing::trace_json(result->statistics)),
         certify(command, *result)})
     if (failed != kExitGood) return failed;
   const timing::TimingVerdict verdict = result->verdict();

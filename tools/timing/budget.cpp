@@ -69,8 +69,8 @@ Machine this_machine(int cpu) {
 std::string budget_text(const TimingResult& r, const Machine& machine) {
   if (r.verdict() == TimingVerdict::kBad) return {};
   const double period_us = 1e6 / r.options.run.rate_Hz;
-  const double worst_us = static_cast<double>(r.books.compute.max_ns()) * 1e-3;
-  const Histogram& wake = r.books.stages[static_cast<std::size_t>(Stage::kWake)];
+  const double worst_us = static_cast<double>(r.statistics.compute.max_ns()) * 1e-3;
+  const Histogram& wake = r.statistics.stages[static_cast<std::size_t>(Stage::kWake)];
   ordered_json j{{"tactus", "budget"},
                  {"format", kFormat},
                  {"machine",
@@ -83,21 +83,21 @@ std::string budget_text(const TimingResult& r, const Machine& machine) {
                   {{"cpu", r.options.run.cpu},
                    {"priority", r.options.run.priority},
                    {"rate_Hz", r.options.run.rate_Hz},
-                   {"members", r.books.members_max},
+                   {"members", r.statistics.members_max},
                    {"sub_steps", r.options.sub_steps},
                    {"ratio", r.options.ratio}}},
                  {"verdict", name_of(r.verdict())},
                  {"degraded", r.summary.degraded()},
-                 {"ticks", r.books.ticks},
-                 {"contacts", r.books.contacts_max},
-                 {"border_contacts", r.books.border_max},
+                 {"ticks", r.statistics.ticks},
+                 {"contacts", r.statistics.contacts_max},
+                 {"border_contacts", r.statistics.border_max},
                  {"computing_worst_us", worst_us},
-                 {"computing_p99_99_us", static_cast<double>(r.books.compute.percentile_ns(99.99)) * 1e-3},
+                 {"computing_p99_99_us", static_cast<double>(r.statistics.compute.percentile_ns(99.99)) * 1e-3},
                  {"margin", std::max(0.0, 1 - worst_us / period_us)},
                  {"wake_p50_us", static_cast<double>(wake.percentile_ns(50)) * 1e-3},
                  {"wake_p99_9_us", static_cast<double>(wake.percentile_ns(99.9)) * 1e-3},
                  {"wake_worst_us", static_cast<double>(wake.max_ns()) * 1e-3},
-                 {"computing_histogram_upper_ns_count", buckets_json(r.books.compute)}};
+                 {"computing_histogram_upper_ns_count", buckets_json(r.statistics.compute)}};
   for (const auto& step : r.summary.setup.steps) j["setup"][step.name] = step.ok;
   j["seal"] = seal_of(j);
   return json_text(j, 1) + "\n";

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-const Histogram& wake(const TimingResult& r) { return r.books.stages[static_cast<std::size_t>(Stage::kWake)]; }
+const Histogram& wake(const TimingResult& r) { return r.statistics.stages[static_cast<std::size_t>(Stage::kWake)]; }
 
 std::string times_line(const std::string& name, const Histogram& h) {
   return fmt::format("  {:<24} {:>8.1f} {:>8.1f} {:>8.1f} {:>9.1f}\n", name, us(h.percentile_ns(50)),
@@ -47,7 +47,7 @@ std::string verdict_line(const TimingResult& r) {
 }
 
 std::string stages_text(const TimingResult& r) {
-  const TickStatistics& b = r.books;
+  const TickStatistics& b = r.statistics;
   std::string text =
       fmt::format("time of                     {:>8} {:>8} {:>8} {:>9}  us\n", "p50", "p99", "p99.99", "max");
   for (std::uint32_t i = 0; i < kStages; ++i) text += times_line(name_of(static_cast<Stage>(i)), b.stages[i]);
@@ -106,7 +106,7 @@ ordered_json viewer_json(const WatchedWindows& v) {
 }
 
 std::string overruns_text(const TimingResult& r) {
-  const TickStatistics& b = r.books;
+  const TickStatistics& b = r.statistics;
   std::string causes;
   for (std::uint32_t i = 0; i < kCauses; ++i)
     causes += fmt::format("{}{} {}", i > 0 ? ", " : "", name_of(static_cast<Cause>(i)), b.overruns_by_cause[i]);
@@ -144,7 +144,7 @@ double wake_ratio(const TimingResult& r, const Histogram& other, double percent)
 }
 
 std::string to_text(const TimingResult& r) {
-  const TickStatistics& b = r.books;
+  const TickStatistics& b = r.statistics;
   std::string text = fmt::format("tactus timing: {}\n", verdict_line(r));
   text += fmt::format(
       "run                        {} ticks at {:g} Hz on cpu {}, {} processes of load; {} ticks of the bare timer\n",
@@ -170,7 +170,7 @@ std::string to_text(const TimingResult& r) {
 }
 
 ordered_json to_json(const TimingResult& r) {
-  const TickStatistics& b = r.books;
+  const TickStatistics& b = r.statistics;
   ordered_json j{{"scene", r.summary.scene_name},      {"scene_file", r.options.run.scene.string()},
                  {"scene_hash", r.summary.scene_hash}, {"verdict", name_of(r.verdict())},
                  {"degraded", r.summary.degraded()},   {"ticks", b.ticks},
@@ -226,7 +226,7 @@ namespace {
 
 // One sentence that states the result of the plot.
 std::string answer(const TimingResult& r) {
-  const TickStatistics& b = r.books;
+  const TickStatistics& b = r.statistics;
   const auto own = b.overruns_by_cause[static_cast<std::size_t>(Cause::kOwnWork)];
   const std::string overruns = b.overruns == 0
                                    ? "none overran"
@@ -242,7 +242,7 @@ std::string answer(const TimingResult& r) {
 }  // namespace
 
 std::string to_svg(const TimingResult& r, const Provenance& made) {
-  const TickStatistics& b = r.books;
+  const TickStatistics& b = r.statistics;
   return histogram_svg(answer(r), made,
                        {{"done, from the period's start on", &b.done},
                         {"wake-up of the loop", &wake(r)},

@@ -71,7 +71,7 @@ class Watcher {
     }
     look();
     if (options_.with_viewer) end_viewer();
-    result_.books.finish();
+    result_.statistics.finish();
     result_.records_lost = probe_.ring().dropped();
   }
 
@@ -85,15 +85,15 @@ class Watcher {
       if (record.kind == loop::kLoopTimes)
         add_loop(times);
       else
-        result_.books.add_bare(times);
+        result_.statistics.add_bare(times);
     }
-    result_.books.add_look(now);
+    result_.statistics.add_look(now);
   }
 
   void add_loop(const loop::TickTimes& times) {
-    const std::uint64_t counted = result_.books.ticks;
-    result_.books.add_loop(times);
-    if (options_.with_viewer && result_.books.ticks > counted) result_.viewer.add(times);
+    const std::uint64_t counted = result_.statistics.ticks;
+    result_.statistics.add_loop(times);
+    if (options_.with_viewer && result_.statistics.ticks > counted) result_.viewer.add(times);
   }
 
   // A window has ended: for the next one the viewer comes, or goes.
@@ -255,7 +255,7 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
   const auto warm_up = static_cast<std::uint64_t>(kWarmUp_s * options.run.rate_Hz);
   TimingResult result{.options = options,
                       .summary = {},
-                      .books = TickStatistics({period_ns, warm_up, kSettleTicks}),
+                      .statistics = TickStatistics({period_ns, warm_up, kSettleTicks}),
                       .rows = {},
                       .cyclictest_wake = {},
                       .records_lost = 0,
@@ -276,13 +276,13 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
   if (!summary.ok()) return fail(false, summary.message());
   if (!watcher.status().ok()) return fail(false, watcher.status().message());
   result.summary = std::move(summary).value();
-  result.rows = judge(result.books);
+  result.rows = judge(result.statistics);
   const std::vector<VerdictRow> simulated = rows_of(session::judge_simulation(result.summary));
   result.rows.insert(result.rows.end(), simulated.begin(), simulated.end());
   // The governor reduces the members if the core is too slow; then the requested capacity was not measured.
   if (options.run.scene.empty())
     result.rows.push_back({"members short of capacity", "",
-                           static_cast<double>(options.members) - static_cast<double>(result.books.members_max), 0,
+                           static_cast<double>(options.members) - static_cast<double>(result.statistics.members_max), 0,
                            false});
   return result;
 }

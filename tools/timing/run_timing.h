@@ -35,7 +35,7 @@ inline constexpr double kViewerRest_s = 1;  // in which the watcher comes or goe
 struct TimingResult {
   TimingOptions options;
   session::RunSummary summary;
-  TickStatistics books;
+  TickStatistics statistics;
   std::vector<VerdictRow> rows;
   Histogram cyclictest_wake;  // empty without it
   std::uint64_t records_lost{0};

@@ -54,10 +54,10 @@ void add_tick(ordered_json& events, const loop::TickTimes& t, std::int64_t origi
 
 }  // namespace
 
-std::string trace_json(const TickStatistics& books) {
+std::string trace_json(const TickStatistics& statistics) {
   std::map<std::uint64_t, loop::TickTimes> shown;
-  for (const loop::TickTimes& t : books.recent) shown[t.tick] = t;
-  for (const Spike& spike : books.spikes)
+  for (const loop::TickTimes& t : statistics.recent) shown[t.tick] = t;
+  for (const Spike& spike : statistics.spikes)
     for (const loop::TickTimes& t : spike.around) shown[t.tick] = t;
   ordered_json events = ordered_json::array();
   events.push_back(name_event("process_name", kHapticThread, "tactus"));
@@ -65,7 +65,7 @@ std::string trace_json(const TickStatistics& books) {
   events.push_back(name_event("thread_name", kDeadlines, "deadlines"));
   const std::int64_t origin_ns = shown.empty() ? 0 : shown.begin()->second.scheduled_ns;
   for (const auto& [tick, times] : shown) add_tick(events, times, origin_ns);
-  for (const Spike& spike : books.spikes)
+  for (const Spike& spike : statistics.spikes)
     events.push_back({{"name", fmt::format("SPIKE: {}", name_of(spike.attribution.cause))},
                       {"ph", "i"},
                       {"s", "g"},

@@ -10,6 +10,6 @@
 
 namespace tactus::timing {
 
-std::string trace_json(const TickStatistics& books);
+std::string trace_json(const TickStatistics& statistics);
 
 }  // namespace tactus::timing

@@ -139,7 +139,7 @@ Outcome friction_point(const Setting& setting) {
       capacities.border_contacts = 4;
       CaseWorld world(setting, 1000, capacities);
       world.settings.gravity = {};
-      world.energy_is_booked = false;  // the border's work is accounted separately
+      world.energy_is_checked = false;  // the border's work is accounted separately
       world.add_box(0, {half, half, half}, mass, 0.5, {});
       world.body(0).inertia = {1e6, 1e6, 1e6};  // large, because the body would tip over on a single point
       physics::BorderContact contact;

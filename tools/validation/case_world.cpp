@@ -65,7 +65,7 @@ void CaseWorld::take_macro_step(const physics::StepSettings& macro_step) {
   allocations_ += experiment::allocation_count() - allocations;
   lost_ |= report.capacity_bits;
   macro_step_s_ = macro_step.dt;
-  book(stored_J(macro_step.dt) - before_J - work_of_step_J());
+  add_to_balance(stored_J(macro_step.dt) - before_J - work_of_step_J());
 }
 
 // Kinetic and potential energy, and the energy of the device's spring with its target extrapolated by `ahead_s`.
@@ -97,7 +97,7 @@ double CaseWorld::work_of_step_J() {
   return work;
 }
 
-void CaseWorld::book(double gained_J) {
+void CaseWorld::add_to_balance(double gained_J) {
   const Springs springs = springs_J();
   double fall = 0;
   for (const auto& body : world.bodies()) {
@@ -147,7 +147,7 @@ void CaseWorld::close(Outcome& outcome) const {
   outcome.hash = world.state_hash();
   outcome.gate("finite", finite_);
   outcome.gate(fmt::format("energy: {:.2g} J from nowhere, of {:.2g} J", gain_J_, largest_J_),
-               !energy_is_booked || gain_J_ <= kMaxGain * largest_J_);
+               !energy_is_checked || gain_J_ <= kMaxGain * largest_J_);
   outcome.gate("no allocation", allocations_ == 0);
   outcome.gate("nothing left out", lost_ == 0);
 }

@@ -29,7 +29,7 @@ class CaseWorld {
   physics::StepSettings settings;
   physics::StepReport report;  // of the last macro step
   physics::CutPredicate cut;
-  bool energy_is_booked{true};  // false if something acts whose work is not known
+  bool energy_is_checked{true};  // false if something acts whose work is not known
 
   void step();
   void run(double seconds);
@@ -68,7 +68,7 @@ class CaseWorld {
   Springs springs_J() const;
   double stored_J(double ahead_s);
   double work_of_step_J();
-  void book(double gained_J);
+  void add_to_balance(double gained_J);
 
   struct Held {
     BodyId id;

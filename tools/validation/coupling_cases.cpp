@@ -175,7 +175,7 @@ DeviceOnSpring push_device(const DeviceLoop& loop, double stiffness, bool contro
   haptics::Passivity passivity{haptics::Passivity::Config::of(device, gains, T), {}};
   double x = 0, v = 0.1, last = 0, work = 0;
   std::array<Vec3d, kMaxDelayTicks + 1> sent{};  // newest first
-  world.energy_is_booked = false;                // the device's motion is prescribed and does not match its velocity
+  world.energy_is_checked = false;               // the device's motion is prescribed and does not match its velocity
   DeviceOnSpring result;
   auto& spring = world.world.device_spring();
   const int ticks = world.steps_in(seconds);
@@ -186,7 +186,7 @@ DeviceOnSpring push_device(const DeviceLoop& loop, double stiffness, bool contro
     world.step();
     Wrenchd wanted{force_on_device(world), {}};
     if (controlled) wanted = passivity.control(wanted, spring.target_velocity, {0.5 * stiffness * x * x, 0});
-    passivity.book(wanted);
+    passivity.record_sent(wanted);
     if (passivity.status() != 0) ++result.active_ticks;
     std::copy_backward(sent.begin(), sent.end() - 1, sent.end());
     sent[0] = wanted.force;

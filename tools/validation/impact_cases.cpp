@@ -124,7 +124,7 @@ Outcome come_and_go(const Setting& setting) {
   world.add_ground(kGround, 0.5);
   for (BodyId id = 0; id < 8; ++id) world.add_box(id, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0.05 + 0.1 * id}, {}});
   world.run(1);
-  world.energy_is_booked = false;  // the case itself adds and removes energy
+  world.energy_is_checked = false;  // the case itself adds and removes energy
   double fastest = 0;
   for (int round = 0; round < 40; ++round) {
     const BodyId id = static_cast<BodyId>((round * 5) % 8);

@@ -16,7 +16,7 @@ namespace {
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 // Bytes that the kernel accounts for one queued frame (Linux 6.1, 64-bit). Queue sizes are set in bytes, and the kernel
 // doubles the number. If it accounts more, fewer frames fit.
-constexpr int kBookedPerFrame = 768;
+constexpr int kKernelBytesPerFrame = 768;
 
 std::int64_t now_ns(clockid_t clock) noexcept {
   timespec time{};
@@ -30,8 +30,8 @@ bool set_option(int socket, int level, int name, const T& value) noexcept {
 }
 
 bool set_options(int socket, const CanSocketOptions& options) noexcept {
-  const int on = 1, queue = CanSocket::kQueuedFrames * kBookedPerFrame / 2;
-  const int sends = static_cast<int>(options.queued_sends) * kBookedPerFrame / 2;
+  const int on = 1, queue = CanSocket::kQueuedFrames * kKernelBytesPerFrame / 2;
+  const int sends = static_cast<int>(options.queued_sends) * kKernelBytesPerFrame / 2;
   const auto size = static_cast<socklen_t>(options.filters.size_bytes());
   return setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, options.filters.data(), size) == 0 &&
          set_option(socket, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, options.errors) &&

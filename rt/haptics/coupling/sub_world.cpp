@@ -99,7 +99,7 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
 }
 
 // Moves the proxy, and with it the end of the coupling's spring, by the displacement of the buffer bodies. The work
-// against the spring's force (mean of the last cycle) is booked as energy of the border.
+// against the spring's force (mean of the last cycle) counts as energy of the border.
 void SubWorld::adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept {
   const BorderBuffer::Adopted adopted = buffer_.adopt(snapshot, config_.proxy, world_);
   state_.buffer_gain_J += adopted.gained_J - dot(coupling_force_N, adopted.proxy_carried);
@@ -190,7 +190,7 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
   if (proxy_touches()) result.status |= kProxyContact;
 }
 
-// Steps the world and books the border's energy.
+// Steps the world and adds the work of the border to its energy.
 physics::StepReport SubWorld::step_world(const physics::StepSettings& settings, const physics::CutPredicate& cut,
                                          SubWorldStep& result) noexcept {
   const bool has_budget = coupling_.border && traits_of(world_.border_rule.mode).has_budget;

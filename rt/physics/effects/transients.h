@@ -5,9 +5,9 @@
 // normal is added to the force on the hand,
 //  F(t) = A exp(-t / decay) sin(2 pi f t),  A = strength x speed of the impact.
 // It acts on no body: it goes into StepReport::hand_wrench and is added to the device's wrench before the passivity
-// controller, which books and bounds it. The energy of one impact is that of a decaying sine of amplitude A. A contact
-// starts an oscillation only if the proxy did not touch that surface in the step before. The exponential is computed as
-// (1 - x/2) / (1 + x/2), x = dt / decay.
+// controller, which counts its energy and bounds it. The energy of one impact is that of a decaying sine of amplitude
+// A. A contact starts an oscillation only if the proxy did not touch that surface in the step before. The exponential
+// is computed as (1 - x/2) / (1 + x/2), x = dt / decay.
 // Units: SI. Thread: construction [setup]; the rest [rt], the owner of the World. Bound: contacts of the proxy,
 // kMaxRinging oscillations (beyond: the weakest is dropped). Source: Okamura, Cutkosky, Dennerlein 2001, reality-based
 // models for vibration feedback; Kuchenbecker, Fiene, Niemeyer 2006, event-based haptics.

@@ -52,7 +52,7 @@ struct Chain {
   void tick(const Vec3d& wanted) {
     Wrenchd sent{wanted, {}};
     if (controlled) sent = port.control(sent, {hand.mean_velocity, {}});
-    port.book(sent);
+    port.record_sent(sent);
     hand.move(sent.force);
     top_work_J = std::max(top_work_J, hand.work_J);
     top_speed = std::max(top_speed, norm(hand.v));
@@ -123,7 +123,7 @@ TEST_CASE("a passive wall is untouched, bit for bit, at any depth that its coupl
       const Wrenchd out = port.control(wanted, {{v, 0, -0.1}, {}}, {wall.stored_J(x), 0});
       REQUIRE(same_bits(out, wanted));
       REQUIRE(port.status() == 0);
-      port.book(out);
+      port.record_sent(out);
       deepest_J = std::max(deepest_J, wall.stored_J(x));
     }
     CHECK(port.state.translation.dropped_J < port.state.translation.in_J);
@@ -135,7 +135,7 @@ TEST_CASE("energy beyond the cap that no spring declares is dropped and counted"
   Passivity port = make_port();
   for (int k = 0; k < 100; ++k) {
     port.control({}, {{1, 0, 0}, {}});
-    port.book({{-10, 0, 0}, {}});  // 10 mJ a tick into the virtual side
+    port.record_sent({{-10, 0, 0}, {}});  // 10 mJ a tick into the virtual side
   }
   port.control({}, {{1, 0, 0}, {}});
   CHECK(port.state.translation.energy_J == port.config.translation.energy_cap_J);
@@ -156,7 +156,7 @@ TEST_CASE("an hour of dissipation hides no more than the cap of later activity")
   CHECK(chain.hand.work_J <= chain.port.config.translation.energy_cap_J + two_ticks_J);
 }
 
-TEST_CASE("the book balances, and energy given minus forgiven is never beyond the debt") {
+TEST_CASE("the energy balance closes, and energy given minus forgiven is never beyond the debt") {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> u(-1, 1);
   Passivity port = make_port();
@@ -167,8 +167,8 @@ TEST_CASE("the book balances, and energy given minus forgiven is never beyond th
     const Vec3d v{0.3 * u(random), 0.3 * u(random), 0.3 * u(random)};
     exchanged -= kT * dot(sent, v);
     const Wrenchd out = port.control({v * (20 * (u(random) + bias)), {}}, {v, {}});
-    sent = out.force * std::abs(u(random));  // a limiter behind it: what was sent is booked
-    port.book({sent, {}});
+    sent = out.force * std::abs(u(random));  // a limiter behind it: what was sent counts
+    port.record_sent({sent, {}});
     const Passivity::Port& p = port.state.translation;
     REQUIRE(p.in_J - p.out_J == Approx(exchanged).margin(1e-9));
     REQUIRE(p.energy_J == Approx(p.in_J - p.out_J - p.dropped_J + p.forgiven_J).margin(1e-9));
@@ -183,7 +183,7 @@ TEST_CASE("the book balances, and energy given minus forgiven is never beyond th
 
 TEST_CASE("the damping that is due pays the debt of the last tick, against the motion") {
   Passivity port = make_port();
-  port.book({{1, 0, 0}, {}});
+  port.record_sent({{1, 0, 0}, {}});
   // 1 N along 0.4 m/s over 1 ms: 0.4 mJ out of the virtual side; alpha = 0.4e-3 / (1e-3 0.16) = 2.5.
   const Wrenchd out = port.control({{0, 7, 0}, {0, 0, 1}}, {{0.4, 0, 0}, {}});
   CHECK(port.state.translation.energy_J == Approx(-0.4e-3));
@@ -191,15 +191,15 @@ TEST_CASE("the damping that is due pays the debt of the last tick, against the m
   CHECK(out.force.x == Approx(-1.0));
   CHECK(out.force.y == 7);
   CHECK(out.torque == Vec3d{0, 0, 1});
-  port.book({{-1, 0, 0}, {}});
+  port.record_sent({{-1, 0, 0}, {}});
   port.control({}, {{0.4, 0, 0}, {}});
   CHECK(port.state.translation.energy_J == Approx(0).margin(1e-15));
   CHECK(port.state.translation.dissipated_J == Approx(0.4e-3));
 }
 
-TEST_CASE("rotation has a book of its own: a spring's energy does not pay for a torque") {
+TEST_CASE("rotation has an energy balance of its own: a spring's energy does not pay for a torque") {
   Passivity port = make_port();
-  port.book({{-1, 0, 0}, {0, 0, 0.01}});
+  port.record_sent({{-1, 0, 0}, {0, 0, 0.01}});
   const Wrenchd out = port.control({}, {{0.4, 0, 0}, {0, 0, 2}});
   CHECK(port.state.translation.energy_J > 0);
   CHECK(out.force == Vec3d{});
@@ -217,10 +217,10 @@ TEST_CASE("slower than the device can tell, nothing is damped, and the debt is k
   CHECK_FALSE(same_bits(port.control(wanted, {{1.01e-3, 0, 0}, {}}), wanted));
 }
 
-TEST_CASE("what is not finite is not booked and not damped: the limiter judges it") {
+TEST_CASE("what is not finite is not counted and not damped: the limiter judges it") {
   Passivity port = make_port();
   port.state.translation.energy_J = -1e-3;
-  port.book({{1, 0, 0}, {}});
+  port.record_sent({{1, 0, 0}, {}});
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(std::isnan(port.control({{nan, 0, 0}, {}}, {{1, 0, 0}, {}}).force.x));
   CHECK(port.control({{3, 0, 0}, {}}, {{nan, 0, 0}, {}}).force.x == 3);
@@ -228,7 +228,7 @@ TEST_CASE("what is not finite is not booked and not damped: the limiter judges i
   CHECK(port.status() == 0);
 }
 
-TEST_CASE("a wrench is booked with the motion under which the device holds it, the delay after it was sent") {
+TEST_CASE("a wrench counts with the motion under which the device holds it, the delay after it was sent") {
   const double delay_ticks = GENERATE(0.0, 1.0, 2.0, 32.0);
   const int late = static_cast<int>(delay_ticks);
   Passivity port = make_port(delay_ticks);
@@ -243,15 +243,15 @@ TEST_CASE("a wrench is booked with the motion under which the device holds it, t
     if (held >= 0) exchanged_J -= kT * dot(sent[static_cast<std::size_t>(held)], v);
     REQUIRE(port.state.translation.in_J - port.state.translation.out_J == Approx(exchanged_J).margin(1e-12));
     sent.push_back({u(random), u(random), u(random)});
-    port.book({sent.back(), {}});
+    port.record_sent({sent.back(), {}});
   }
   CHECK(std::abs(exchanged_J) > 1e-3);
 }
 
-TEST_CASE("of a delay between two ticks both wrenches are booked, each for its part of the tick") {
+TEST_CASE("of a delay between two ticks both wrenches count, each for its part of the tick") {
   Passivity port = make_port(0.25);
-  port.book({{8, 0, 0}, {}});
-  port.book({{4, 0, 0}, {}});
+  port.record_sent({{8, 0, 0}, {}});
+  port.record_sent({{4, 0, 0}, {}});
   port.control({}, {{1, 0, 0}, {}});
   CHECK(port.state.translation.out_J == Approx(kT * (0.75 * 4 + 0.25 * 8)));
 }
@@ -259,23 +259,23 @@ TEST_CASE("of a delay between two ticks both wrenches are booked, each for its p
 TEST_CASE("damping that is under way is not asked for again") {
   Passivity port = make_port(2);
   const Twistd v{{0.4, 0, 0}, {}};
-  port.book({{1, 0, 0}, {}});
+  port.record_sent({{1, 0, 0}, {}});
   for (int k = 0; k < 2; ++k) {
     CHECK(port.control({}, v).force.x == 0);
-    port.book({});
+    port.record_sent({});
   }
   double asked_J = 0;
   for (int k = 0; k < 8; ++k) {
     const Wrenchd out = port.control({}, v);
     asked_J -= kT * dot(out.force, v.linear);
-    port.book(out);
+    port.record_sent(out);
   }
   CHECK(asked_J == Approx(0.4e-3));  // what 1 N gave along 0.4 mm, once
   CHECK(port.state.translation.energy_J == Approx(0).margin(1e-15));
 }
 
 TEST_CASE(
-    "a late spring with damping that is passive by its own book alone is held, at 2 and 2.5 of what is accepted") {
+    "a late spring with damping that is passive by its own balance alone is held, at 2 and 2.5 of what is accepted") {
   const int late = GENERATE(0, 1, 2);
   const double share = GENERATE(2.0, 2.5);
   DeviceProperties device;
@@ -297,7 +297,7 @@ TEST_CASE(
       Wrenchd wanted{hand.x * -gains.stiffness_N_per_m - hand.mean_velocity * gains.damping_Ns_per_m, {}};
       const double stored_J = 0.5 * gains.stiffness_N_per_m * norm_squared(hand.x);
       if (controlled) wanted = port.control(wanted, {hand.mean_velocity, {}}, {stored_J, 0});
-      port.book(wanted);
+      port.record_sent(wanted);
       sent.insert(sent.begin(), wanted.force);
       sent.pop_back();
       hand.move(sent.back() - hand.v * device.damping_Ns_per_m);

@@ -95,7 +95,7 @@ TEST_CASE("disarming ends the force under the slew limit, and wins over what els
   CHECK(bench.force_step_max <= 5.0 + 1e-9);
 }
 
-TEST_CASE("what a disarmed loop owes the passivity book is not braked for") {
+TEST_CASE("a disarmed loop does not damp for energy that the hand got before") {
   LoopConfig config = make_config();
   config.sub_world.gains.damping_Ns_per_m = 0.1;
   config.device.damping_Ns_per_m = 0.05;
@@ -191,7 +191,7 @@ TEST_CASE("at 2 and 2.5 times the accepted gain the passivity controller holds a
     work_J += sent.back() * (x - before);
     most_J = std::max(most_J, work_J);
     REQUIRE(std::abs(x) < 0.1);
-    // What the loop has booked is what the device got, but for what is on its way and for what is left of a quantum.
+    // The loop's energy is what the device got, but for what is on its way and for what is left of a quantum.
     if (k % 500 == 499) CHECK(bench.out.device_energy_J == Approx(-work_J).margin(1e-3));
     if ((bench.out.status & kPassivityActive) != 0) ++active;
   }

@@ -143,7 +143,7 @@ TEST_CASE("The work of outside bodies on members is what changes their energy, n
   CHECK(on_slab_J == Approx(energy(0_slot) - slab_J).epsilon(0.01));
 }
 
-TEST_CASE("What outside bodies gained in energy is booked") {
+TEST_CASE("What outside bodies gained in energy is counted") {
   auto world = card_on_slab();
   const double before = world->kinetic_energy();
   const ImpulseReturn back = return_impulses(returns({-1, 0, 0}, {0, 2, 0}), kCardIsMember, Return::kImpulse, *world);

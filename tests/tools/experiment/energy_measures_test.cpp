@@ -27,7 +27,7 @@ TEST_CASE("Within a window only the sum counts, in the worst instant each") {
   CHECK(balance.worst_instant().loss == Approx(0.5));
 }
 
-TEST_CASE("Books of several hands add up, and an empty one says nothing") {
+TEST_CASE("The energies of several hands add up, and an empty one says nothing") {
   EnergyBalance one, two;
   one.add({0.9, 0.8}, {1, 1}, 0);
   one.close_window();

@@ -73,11 +73,11 @@ TEST_CASE("Every engine holds bodies of every form") {
       INFO(kind.name);
       const auto engine = kind.make(scene, {.tuned = kind.tuned});
       for (int i = 0; i < 500; ++i) engine->step();
-      QualityBook book(scene);
-      book.start(*engine);
-      book.sample(*engine);
-      CHECK(book.result().escaped == 0);
-      CHECK(book.result().overlap_max_share < kMaxOverlapShare);
+      QualitySampler sampler(scene);
+      sampler.start(*engine);
+      sampler.sample(*engine);
+      CHECK(sampler.result().escaped == 0);
+      CHECK(sampler.result().overlap_max_share < kMaxOverlapShare);
       for (const CubeState& body : engine->cubes()) CHECK(body.position.z < 0.5);
     }
   }

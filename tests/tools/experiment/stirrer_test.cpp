@@ -57,11 +57,11 @@ TEST_CASE("What is in a wall, under the floor or beyond all walls has left the b
   for (const Vec3d& gone : {Vec3d{0, 0, -0.06}, Vec3d{0, 0, -9}, Vec3d{1.5, 0, 0.1}, Vec3d{0, 99, 1}}) {
     BoxScene changed = *scene;
     changed.cubes[3].position = gone;
-    QualityBook book(changed);
+    QualitySampler sampler(changed);
     const auto engine = make_tactus(changed, {});
-    book.start(*engine);
-    book.sample(*engine);
-    CHECK(book.result().escaped == 1);
+    sampler.start(*engine);
+    sampler.sample(*engine);
+    CHECK(sampler.result().escaped == 1);
   }
 }
 
@@ -75,24 +75,24 @@ TEST_CASE("The rods are where they are prescribed in every engine, and push as m
     if (!kind.available) continue;
     INFO(kind.name);
     const auto engine = kind.make(*scene, {.tuned = kind.tuned});
-    QualityBook book(*scene);
+    QualitySampler sampler(*scene);
     int steps = 0;
     const auto advance = [&](int count) {
       for (int i = 0; i < count; ++i) engine->step();
       steps += count;
     };
     advance(falls);
-    book.start(*engine);
+    sampler.start(*engine);
     for (int done = 0; done < stirs; done += between) {
       advance(between);
-      book.sample(*engine);
+      sampler.sample(*engine);
       const auto rods = engine->rods();
       REQUIRE(rods.size() == 1);
       const Posed wanted = scene->stirrer->pose_at(0, steps * scene->step_s);
       REQUIRE(norm(rods[0].position - wanted.position) < 1e-5);
       REQUIRE(norm(rods[0].rotation.vec()) < 1e-6);
     }
-    const Quality quality = book.result();
+    const Quality quality = sampler.result();
     CHECK(quality.escaped == 0);
     CHECK(quality.rod_travel_m == Approx(scene->stirrer->path_length_m(stirs * scene->step_s)).epsilon(0.01));
     CHECK(quality.travel_m > 2 * kMinTravelShare * quality.rod_travel_m);

@@ -156,7 +156,7 @@ TEST_CASE("one late tick of a short run is not deadlines in numbers, two are") {
   CHECK(judge(s).level() == Level::kDegraded);
 }
 
-TEST_CASE("the energy rule says nothing where the book is not complete, and nothing of microjoules") {
+TEST_CASE("the energy rule says nothing where the balance is not complete, and nothing of microjoules") {
   RunSummary s = good_run();
   s.global.energy.unexplained_J = 5;
   s.global.energy.complete = false;

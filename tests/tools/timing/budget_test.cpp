@@ -17,15 +17,15 @@ const Machine kHere{"Some CPU", "6.1.0-rt #1", "quiet isolcpus=3", "performance"
 
 std::string signed_off(TimingVerdict wanted = TimingVerdict::kGood) {
   TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
-  for (std::uint64_t i = 0; i < 1000; ++i) r.books.add_loop(usual_tick(i));
-  if (wanted == TimingVerdict::kMachine) r.books.add_loop(woken_late(1000, 800'000));
+  for (std::uint64_t i = 0; i < 1000; ++i) r.statistics.add_loop(usual_tick(i));
+  if (wanted == TimingVerdict::kMachine) r.statistics.add_loop(woken_late(1000, 800'000));
   if (wanted == TimingVerdict::kBad) {
     auto t = usual_tick(1000);
     t.minor_faults = 1;
-    r.books.add_loop(t);
+    r.statistics.add_loop(t);
   }
-  r.books.finish();
-  r.rows = judge(r.books);
+  r.statistics.finish();
+  r.rows = judge(r.statistics);
   return budget_text(r, kHere);
 }
 

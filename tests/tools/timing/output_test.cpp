@@ -19,10 +19,10 @@ namespace {
 
 TimingResult made_result() {
   TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
-  for (std::uint64_t i = 0; i < 400; ++i) r.books.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));
-  for (std::uint64_t i = 0; i < 100; ++i) r.books.add_bare(usual_tick(i));
-  r.books.finish();
-  r.rows = judge(r.books);
+  for (std::uint64_t i = 0; i < 400; ++i) r.statistics.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));
+  for (std::uint64_t i = 0; i < 100; ++i) r.statistics.add_bare(usual_tick(i));
+  r.statistics.finish();
+  r.rows = judge(r.statistics);
   return r;
 }
 
@@ -56,7 +56,7 @@ TEST_CASE("the plot is an SVG with a curve for each histogram that has times") {
 
 TEST_CASE("the trace has the stages of the ticks around a spike, and a mark on it with the cause") {
   const TimingResult r = made_result();
-  const auto trace = nlohmann::json::parse(trace_json(r.books));
+  const auto trace = nlohmann::json::parse(trace_json(r.statistics));
   std::size_t solves = 0, marks = 0;
   for (const auto& event : trace["traceEvents"]) {
     if (event["name"] == "solve") {
@@ -99,8 +99,8 @@ TEST_CASE("of the latest ticks each says whether it was an overrun, and only tho
   auto heavy = delayed_in_solve(500, 500'000);
   heavy.cpu_ns += 500'000;
   heavy.foreseen_ns = 700'000;
-  r.books.add_loop(heavy);
-  r.books.finish();
+  r.statistics.add_loop(heavy);
+  r.statistics.finish();
   CHECK_THAT(to_text(r),
              Contains("OVERRUN: late wake-up") && Contains("in time: computing") && !Contains(": own work"));
   const auto j = to_json(r);

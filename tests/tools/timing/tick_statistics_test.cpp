@@ -1,4 +1,4 @@
-// The books of a timing run on made-up ticks: what is counted, what is left out, which ticks are the latest.
+// The statistics of a timing run on made-up ticks: what is counted, what is left out, which ticks are the latest.
 #include "tools/timing/tick_statistics.h"
 
 #include <catch2/catch.hpp>
@@ -35,61 +35,63 @@ TEST_CASE("the stages of a tick are the times between its marks, and add up to t
 }
 
 TEST_CASE("the loop's own part is neither device nor physics, and a force's age is that of its sample") {
-  TickStatistics books = no_warm_up();
-  for (std::uint64_t i = 0; i < 5; ++i) books.add_loop(usual_tick(i));
-  CHECK(books.overhead.max_ns() == 2'000 + 3'000 + 4'000);  // adopt, couple, and the force's shaping
-  CHECK(books.force_age.max_ns() == 215'000);
-  CHECK(books.oldest_age.max_ns() == 1'215'000);  // replaced a period later
-  CHECK(books.oldest_age.count() == 4);
+  TickStatistics statistics = no_warm_up();
+  for (std::uint64_t i = 0; i < 5; ++i) statistics.add_loop(usual_tick(i));
+  CHECK(statistics.overhead.max_ns() == 2'000 + 3'000 + 4'000);  // adopt, couple, and the force's shaping
+  CHECK(statistics.force_age.max_ns() == 215'000);
+  CHECK(statistics.oldest_age.max_ns() == 1'215'000);  // replaced a period later
+  CHECK(statistics.oldest_age.count() == 4);
 }
 
 TEST_CASE("warm-up and the first ticks after another window are not counted") {
-  TickStatistics books({kPeriod_ns, 3, 10});
-  for (std::uint64_t i = 0; i < 5; ++i) books.add_loop(usual_tick(i));
-  CHECK(books.ticks == 2);
+  TickStatistics statistics({kPeriod_ns, 3, 10});
+  for (std::uint64_t i = 0; i < 5; ++i) statistics.add_loop(usual_tick(i));
+  CHECK(statistics.ticks == 2);
   auto first = usual_tick(5);
   first.into_window = 9;
   first.minor_faults = 7;
-  books.add_loop(first);
-  CHECK(books.ticks == 2);
-  CHECK(books.minor_faults == 0);
-  books.add_loop(usual_tick(6));
-  CHECK(books.oldest_age.count() == 1);  // no age across the gap
+  statistics.add_loop(first);
+  CHECK(statistics.ticks == 2);
+  CHECK(statistics.minor_faults == 0);
+  statistics.add_loop(usual_tick(6));
+  CHECK(statistics.oldest_age.count() == 1);  // no age across the gap
 }
 
 TEST_CASE("every overrun has one cause, once the machine was looked at after it") {
-  TickStatistics books = no_warm_up();
-  for (std::uint64_t i = 0; i < 100; ++i) books.add_loop(usual_tick(i));
-  books.add_look({90 * kPeriod_ns, InterruptCounts{}, 0, 0});
-  books.add_loop(woken_late(100, 2'000'000));
+  TickStatistics statistics = no_warm_up();
+  for (std::uint64_t i = 0; i < 100; ++i) statistics.add_loop(usual_tick(i));
+  statistics.add_look({90 * kPeriod_ns, InterruptCounts{}, 0, 0});
+  statistics.add_loop(woken_late(100, 2'000'000));
   auto switched = delayed_in_solve(105, 3'000'000);
   switched.involuntary_switches = 1;
-  books.add_loop(switched);
+  statistics.add_loop(switched);
   auto all = [&] {
-    return std::accumulate(books.overruns_by_cause.begin(), books.overruns_by_cause.end(), std::uint64_t{0});
+    return std::accumulate(statistics.overruns_by_cause.begin(), statistics.overruns_by_cause.end(), std::uint64_t{0});
   };
-  CHECK(books.overruns == 2);
+  CHECK(statistics.overruns == 2);
   CHECK(all() == 0);
-  books.add_look({104 * kPeriod_ns, InterruptCounts{}, 0, 0});
+  statistics.add_look({104 * kPeriod_ns, InterruptCounts{}, 0, 0});
   CHECK(all() == 1);
-  books.finish();
-  CHECK(books.overruns_by_cause[static_cast<std::size_t>(Cause::kLateWake)] == 1);
-  CHECK(books.overruns_by_cause[static_cast<std::size_t>(Cause::kContextSwitch)] == 1);
-  CHECK(all() == books.overruns);
+  statistics.finish();
+  CHECK(statistics.overruns_by_cause[static_cast<std::size_t>(Cause::kLateWake)] == 1);
+  CHECK(statistics.overruns_by_cause[static_cast<std::size_t>(Cause::kContextSwitch)] == 1);
+  CHECK(all() == statistics.overruns);
 }
 
 TEST_CASE("the latest ticks are kept, the worst first, with those around them") {
-  TickStatistics books = no_warm_up();
+  TickStatistics statistics = no_warm_up();
   for (std::uint64_t i = 0; i < 200; ++i)
-    books.add_loop(i == 100 ? delayed_in_solve(i, 500'000) : i == 150 ? delayed_in_solve(i, 700'000) : usual_tick(i));
-  books.finish();
-  REQUIRE(books.spikes.size() == TickStatistics::kWorst);
-  CHECK(books.spikes[0].times.tick == 150);
-  CHECK(books.spikes[1].times.tick == 100);
-  CHECK(books.spikes[1].judged);
-  REQUIRE(books.spikes[1].around.size() == 2 * TickStatistics::kAround + 1);
-  CHECK(books.spikes[1].around.front().tick == 100 - TickStatistics::kAround);
-  CHECK(books.spikes[1].around.back().tick == 100 + TickStatistics::kAround);
+    statistics.add_loop(i == 100   ? delayed_in_solve(i, 500'000)
+                        : i == 150 ? delayed_in_solve(i, 700'000)
+                                   : usual_tick(i));
+  statistics.finish();
+  REQUIRE(statistics.spikes.size() == TickStatistics::kWorst);
+  CHECK(statistics.spikes[0].times.tick == 150);
+  CHECK(statistics.spikes[1].times.tick == 100);
+  CHECK(statistics.spikes[1].judged);
+  REQUIRE(statistics.spikes[1].around.size() == 2 * TickStatistics::kAround + 1);
+  CHECK(statistics.spikes[1].around.front().tick == 100 - TickStatistics::kAround);
+  CHECK(statistics.spikes[1].around.back().tick == 100 + TickStatistics::kAround);
 }
 
 TEST_CASE("the verdict tells the program's promise from the machine's") {

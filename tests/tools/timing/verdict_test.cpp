@@ -49,8 +49,8 @@ TEST_CASE("a line of the set-up that says FAIL, the kernel's too, is no good tim
 
 TEST_CASE("the report's verdict says in words what a rule of a run found") {
   TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
-  for (std::uint64_t i = 0; i < 400; ++i) r.books.add_loop(usual_tick(i));
-  r.books.finish();
+  for (std::uint64_t i = 0; i < 400; ++i) r.statistics.add_loop(usual_tick(i));
+  r.statistics.finish();
   r.summary.has_global = true;
   r.summary.global.overlap = {0.2, 1e-3, 3, 7};
   r.rows = rows_with(r.summary);
@@ -59,16 +59,16 @@ TEST_CASE("the report's verdict says in words what a rule of a run found") {
 
 TEST_CASE("the report's verdict names the figure that is beyond its limit, and the limit") {
   TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
-  for (std::uint64_t i = 0; i < 400; ++i) r.books.add_loop(i == 200 ? woken_late(i, 900'000) : usual_tick(i));
-  r.books.finish();
-  r.rows = judge(r.books);
+  for (std::uint64_t i = 0; i < 400; ++i) r.statistics.add_loop(i == 200 ? woken_late(i, 900'000) : usual_tick(i));
+  r.statistics.finish();
+  r.rows = judge(r.statistics);
   CHECK_THAT(to_text(r), Contains("THE MACHINE: wake-up, worst 905.0, at most 500.0 us; the program lost no tick"));
 }
 
 TEST_CASE("deadlines are judged by the same figure as in a run") {
-  TickStatistics books({kPeriod_ns, 0, 10});
-  for (std::uint64_t i = 0; i < 400; ++i) books.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));
-  books.finish();
-  for (const VerdictRow& row : judge(books))
-    if (row.figure == "after their deadline") CHECK(row.limit == session::most_lost_of_10000(books.ticks));
+  TickStatistics statistics({kPeriod_ns, 0, 10});
+  for (std::uint64_t i = 0; i < 400; ++i) statistics.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));
+  statistics.finish();
+  for (const VerdictRow& row : judge(statistics))
+    if (row.figure == "after their deadline") CHECK(row.limit == session::most_lost_of_10000(statistics.ticks));
 }

@@ -1,7 +1,7 @@
 // The anytime property: wherever the solver is cut, in every tick of a run, no energy comes from nowhere.
 //
-// By the book of CaseWorld: kinetic and potential energy and what the contacts' springs hold never rise, so kinetic
-// energy never rises beyond external work and released k x^2 / 2.
+// By the energy balance of CaseWorld: kinetic and potential energy and what the contacts' springs hold never rise, so
+// kinetic energy never rises beyond external work and released k x^2 / 2.
 #include <catch2/catch.hpp>
 
 #include "tools/validation/case_world.h"

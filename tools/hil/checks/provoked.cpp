@@ -158,12 +158,12 @@ Finding check_broken_states(Bench& bench) {
   auto provoked = provoke(bench, {"corrupt", broken, whole, State::kIdle});
   if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
   if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
-  FrameBook book;
-  for (const Record& record : provoked.value().result.records) book.add(record);
+  FrameCounts counts;
+  for (const Record& record : provoked.value().result.records) counts.add(record);
   const std::uint64_t malformed = provoked.value().result.counters.malformed;
-  finding.measured = fmt::format("{} refused by their checksum, {} by the link", book.corrupt, malformed);
-  finding.figures = {{"broken", static_cast<double>(book.corrupt)}, {"malformed", static_cast<double>(malformed)}};
-  if (book.corrupt + malformed == 0)
+  finding.measured = fmt::format("{} refused by their checksum, {} by the link", counts.corrupt, malformed);
+  finding.figures = {{"broken", static_cast<double>(counts.corrupt)}, {"malformed", static_cast<double>(malformed)}};
+  if (counts.corrupt + malformed == 0)
     finding.reason = "no frame was refused";
   else
     finding.reason = recovery(provoked.value().result.records);

@@ -43,45 +43,45 @@ Finding judge_times(Bench& bench, const Histogram& h, const char* name, double p
 
 }  // namespace
 
-Finding judge_book(const FrameBook& book, const hal::LinkCounters& link) {
+Finding judge_counts(const FrameCounts& counts, const hal::LinkCounters& link) {
   Finding finding;
   finding.threshold = fmt::format("lost <= {:g} %, none unaccounted for, reordered or broken; gaps < {} ticks",
                                   100 * kLostShare, kGapTicks);
-  finding.measured =
-      fmt::format("{} frames: {} lost, {} superseded, {} reordered, {} duplicated, {} broken", book.numbered,
-                  book.lost(), book.superseded, book.reordered, book.duplicated, book.corrupt + link.malformed);
+  finding.measured = fmt::format("{} frames: {} lost, {} superseded, {} reordered, {} duplicated, {} broken",
+                                 counts.numbered, counts.lost(), counts.superseded, counts.reordered, counts.duplicated,
+                                 counts.corrupt + link.malformed);
   finding.measured +=
-      fmt::format("; {} ticks without a frame, {} in a row", book.missing_ticks, book.longest_gap_ticks);
+      fmt::format("; {} ticks without a frame, {} in a row", counts.missing_ticks, counts.longest_gap_ticks);
   const auto put_count = [&](const char* name, std::uint64_t n) {
     finding.figures.push_back({name, static_cast<double>(n)});
   };
-  put_count("frames", book.numbered);
-  put_count("ticks", book.ticks);
-  put_count("lost", book.lost());
-  put_count("superseded", book.superseded);
-  put_count("reordered", book.reordered);
-  put_count("duplicated", book.duplicated);
-  put_count("broken", book.corrupt + link.malformed);
-  put_count("missing_ticks", book.missing_ticks);
-  put_count("longest_gap_ticks", book.longest_gap_ticks);
-  put_count("commands", book.commands);
-  put_count("commands_refused", book.refused);
+  put_count("frames", counts.numbered);
+  put_count("ticks", counts.ticks);
+  put_count("lost", counts.lost());
+  put_count("superseded", counts.superseded);
+  put_count("reordered", counts.reordered);
+  put_count("duplicated", counts.duplicated);
+  put_count("broken", counts.corrupt + link.malformed);
+  put_count("missing_ticks", counts.missing_ticks);
+  put_count("longest_gap_ticks", counts.longest_gap_ticks);
+  put_count("commands", counts.commands);
+  put_count("commands_refused", counts.refused);
   put_count("commands_superseded", link.send_superseded);
-  put_count("unaccounted", book.unaccounted(link));
-  if (book.fresh == 0)
+  put_count("unaccounted", counts.unaccounted(link));
+  if (counts.fresh == 0)
     finding.reason = "no state frame came";
-  else if (static_cast<double>(book.lost()) > kLostShare * static_cast<double>(book.numbered))
+  else if (static_cast<double>(counts.lost()) > kLostShare * static_cast<double>(counts.numbered))
     finding.reason = "frames are lost on the way";
-  else if (book.unaccounted(link) > 2)
-    finding.reason = fmt::format("{} frames are in no counter", book.unaccounted(link));
-  else if (book.reordered + book.duplicated > 0)
+  else if (counts.unaccounted(link) > 2)
+    finding.reason = fmt::format("{} frames are in no counter", counts.unaccounted(link));
+  else if (counts.reordered + counts.duplicated > 0)
     finding.reason = "frames come twice or in the wrong order";
-  else if (book.corrupt + link.malformed > 0)
+  else if (counts.corrupt + link.malformed > 0)
     finding.reason = "frames arrive broken";
-  else if (book.longest_gap_ticks >= kGapTicks)
+  else if (counts.longest_gap_ticks >= kGapTicks)
     finding.reason = "gaps so long that the force would fade";
-  else if (book.refused > 0)
-    finding.reason = fmt::format("the link did not take {} commands", book.refused);
+  else if (counts.refused > 0)
+    finding.reason = fmt::format("the link did not take {} commands", counts.refused);
   if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
   return finding;
 }
@@ -89,7 +89,7 @@ Finding judge_book(const FrameBook& book, const hal::LinkCounters& link) {
 Finding check_losses(Bench& bench) {
   const auto& quiet = bench.quiet();
   if (!quiet.ok()) return bad(quiet.message());
-  Finding finding = judge_book(quiet.value().book, quiet.value().result.counters);
+  Finding finding = judge_counts(quiet.value().counts, quiet.value().result.counters);
   // A gap may be caused by this machine, if the loop was not woken; then the link is not at fault.
   const bool gap_alone = finding.reason.starts_with("gaps");
   if (gap_alone && !bench.options().judge_timing) finding.verdict = Verdict::kGood;
@@ -135,18 +135,18 @@ Finding check_clock(Bench& bench) {
 Finding check_soak(Bench& bench) {
   const std::uint64_t frames = bench.options().soak_frames;
   const Phase plan[] = {{.ticks = frames}};
-  FrameBook book;
+  FrameCounts counts;
   RoundTrip times;
   const auto result = bench.exchange(
       plan,
       [&](const Record& record) {
-        book.add(record);
+        counts.add(record);
         times.add(record);
         return Next::kGoOn;
       },
       /*keep=*/false);
   if (!result.ok()) return bad(result.message());
-  Finding finding = judge_book(book, result.value().counters);
+  Finding finding = judge_counts(counts, result.value().counters);
   if (finding.reason.starts_with("gaps") && !bench.options().judge_timing) finding.verdict = Verdict::kGood;
   put(finding, "round_trip", times.round_trip);
   put(finding, "force_age", times.force_age);

@@ -238,7 +238,7 @@ TEST_CASE("a synchronisation renews the border: line at the member's point, fric
   CHECK(bench.border(2).normal_impulse == 0);
 }
 
-TEST_CASE("the work of the border is booked over all cycles: on a free body it is the kinetic energy gained") {
+TEST_CASE("the work of the border is summed over all cycles: on a free body it is the kinetic energy gained") {
   SubWorldConfig config = make_config();
   config.border_mode = BorderMode::kReplay;
   Bench bench(config);

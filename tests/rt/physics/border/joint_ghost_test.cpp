@@ -104,7 +104,7 @@ TEST_CASE("A joint moves a body against a ghost as it does against the body that
   CHECK(norm(whole.pose.position - half.pose.position) < 1e-4 * norm(whole.pose.position - kAtB));
   const auto& ghost = one.world.border_ghosts()[0];
   CHECK(norm(both.motion(kA).velocity.linear - ghost.velocity.linear) < 0.01 * pulled);
-  // Booked with sign, but for what the levers turn within a sub-step.
+  // Summed with sign, but for what the levers turn within a sub-step.
   const double lost_J = kinetic_energy(body_of(kB)) - kinetic_energy(one.world.bodies()[0]);
   CHECK(one.border_J == Approx(-lost_J).epsilon(1e-5));
 }
