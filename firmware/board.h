@@ -42,12 +42,12 @@ concept DeviceLink = requires(L link, std::span<std::byte, kMaxFrameSize> buffer
   noexcept->std::same_as<void>;
 };
 
-// Non-volatile memory for the configuration. load() [setup]: copies the last stored block into `room` and returns its
+// Non-volatile memory for the configuration. load() [setup]: copies the last stored block into `buffer` and returns its
 // size; 0 if there is none. store() accepts a block; false if it cannot. A board that writes slowly copies the block
 // and writes it in the background.
 template <class S>
-concept Storage = requires(S storage, std::span<std::byte> room, std::span<const std::byte> block) {
-  { storage.load(room) } -> std::same_as<std::size_t>;
+concept Storage = requires(S storage, std::span<std::byte> buffer, std::span<const std::byte> block) {
+  { storage.load(buffer) } -> std::same_as<std::size_t>;
   { storage.store(block) }
   noexcept->std::same_as<bool>;
 };
@@ -61,9 +61,9 @@ struct NoStorage {
 // [setup] Before the first period. False: the stored block is invalid, and the factory configuration stays active.
 template <Storage S>
 bool restore_configuration(Device& device, S& storage) {
-  std::array<std::byte, kConfigBlockSize> room;
-  const std::size_t size = storage.load(room);
-  return size == 0 || (size <= room.size() && device.restore(std::span<const std::byte>(room).first(size)));
+  std::array<std::byte, kConfigBlockSize> buffer;
+  const std::size_t size = storage.load(buffer);
+  return size == 0 || (size <= buffer.size() && device.restore(std::span<const std::byte>(buffer).first(size)));
 }
 
 template <Mechanics M, DeviceLink L, Storage S>

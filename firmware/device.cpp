@@ -62,13 +62,13 @@ void Device::apply() noexcept {
   gravity_ = accepted_.gravity;
   bus_ = accepted_.bus;
   carries_arm_ = gravity_.constant != AxisValues{} || gravity_.amplitude != decltype(gravity_.amplitude){};
-  rooms_valid_ = is_valid(accepted_.encoders) && is_valid(accepted_.thermal);
+  parts_valid_ = is_valid(accepted_.encoders) && is_valid(accepted_.thermal);
   changed_ = false;
 }
 
 Supervision Device::supervise(const Encoders::Reading& reading) noexcept {
   Supervision s;
-  if (!rooms_valid_)
+  if (!parts_valid_)
     s.fault = Fault::kBadConfiguration;
   else if (self_test_.is_fault())
     s.fault = Fault::kSelfTest;

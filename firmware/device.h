@@ -73,7 +73,7 @@ class Device {
 
   DeviceConfig factory_, accepted_;
   bool changed_{false};     // accepted_ is not yet active
-  bool rooms_valid_{true};  // the active parts except the controller's, which the controller checks, are valid
+  bool parts_valid_{true};  // the active parts except the controller's, which the controller checks, are valid
   Identity identity_;
 
   Encoders encoders_;

@@ -34,7 +34,8 @@ std::string_view describe(Fault fault) noexcept {
     case Fault::kDeviceLeftForce:
       return "device left FORCE by itself: it was reset, or another program commands it; find the cause, then re-arm";
     case Fault::kForceRefused:
-      return "device refuses FORCE: it wants to be homed, its supply is missing, or it starts; cure it, then re-arm";
+      return "device refuses FORCE: it is not homed, its supply is missing, or it starts; remove the cause, then "
+             "re-arm";
   }
   return "unknown fault number: the recording is from a newer release";
 }

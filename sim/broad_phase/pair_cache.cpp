@@ -8,9 +8,9 @@ namespace {
 using physics::Aabb;
 using physics::SlotPair;
 
-// Margin of a fat box over the body's least extent. A larger one: fewer bodies leave their fat box, and more kept pairs
-// do not overlap.
-constexpr double kRoom = 1.0 / 16;
+// Margin of a fat box, as a share of the body's least extent. A larger one: fewer bodies leave their fat box, and more
+// kept pairs do not overlap.
+constexpr double kMarginShare = 1.0 / 16;
 // If more than one body in kFewMoved left its fat box, updating them one by one costs more than a rebuild.
 constexpr std::size_t kFewMoved = 8;
 // Steps without fat boxes after they were of no use.
@@ -18,7 +18,7 @@ constexpr std::uint32_t kPause = 8;
 
 Aabb fat_box_of(const Aabb& box) noexcept {
   const Vec3d extent = box.upper - box.lower;
-  const double more = kRoom * std::min(extent.x, std::min(extent.y, extent.z));
+  const double more = kMarginShare * std::min(extent.x, std::min(extent.y, extent.z));
   const Vec3d grown{more, more, more};
   return {box.lower - grown, box.upper + grown};
 }

@@ -59,11 +59,13 @@ std::optional<SymMat3d> read_inertia(text::TableReader& table) {
   // The second moment of the mass, the integral of x x^T, is positive semidefinite: its leading minors are not
   // negative, within rounding.
   const double half = 0.5 * (m[0] + m[1] + m[2]), a = half - m[0], b = half - m[1], c = half - m[2];
-  const double room = 1e-9 * half;
-  const double minor = (a + room) * (b + room) - m[3] * m[3];
-  const double determinant = (a + room) * ((b + room) * (c + room) - m[5] * m[5]) -
-                             m[3] * (m[3] * (c + room) + m[5] * m[4]) - m[4] * (m[3] * m[5] + (b + room) * m[4]);
-  if (std::min({m[0], m[1], m[2]}) >= kLeastInertia && std::min({a, b, c}) >= -room && minor >= 0 && determinant >= 0)
+  const double rounding = 1e-9 * half;
+  const double minor = (a + rounding) * (b + rounding) - m[3] * m[3];
+  const double determinant = (a + rounding) * ((b + rounding) * (c + rounding) - m[5] * m[5]) -
+                             m[3] * (m[3] * (c + rounding) + m[5] * m[4]) -
+                             m[4] * (m[3] * m[5] + (b + rounding) * m[4]);
+  if (std::min({m[0], m[1], m[2]}) >= kLeastInertia && std::min({a, b, c}) >= -rounding && minor >= 0 &&
+      determinant >= 0)
     return inertia;
   table.mistake("inertia_kg_m2", "no rigid body has these moments of inertia",
                 fmt::format("moments >= {:g}, none of them larger than the sum of the other two", kLeastInertia));

@@ -84,7 +84,7 @@ std::string to_text(const SceneReport& r) {
       r.hand.workspace_radius_m,
       r.hand.file.empty() ? ""
                           : fmt::format("; {}, {} rows, {} in between", r.hand.file, r.hand.points, r.hand.motion));
-  text += fmt::format("room\n  {:<12}{} of a cap of {}; about {} contacts, by {:.2f} a body at the start\n",
+  text += fmt::format("capacity\n  {:<12}{} of a cap of {}; about {} contacts, by {:.2f} a body at the start\n",
                       "sub-world", r.capacity.members_possible, r.capacity.member_cap, r.capacity.sub_world_contacts,
                       r.capacity.contacts_per_body);
   text += fmt::format("  {:<12}{} sub-steps a step\n", "global", r.capacity.global_sub_steps);

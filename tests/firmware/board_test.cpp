@@ -42,8 +42,8 @@ struct FakeLink {
 
 struct FakeStorage {
   std::vector<std::byte> kept;
-  std::size_t load(std::span<std::byte> room) {
-    std::copy_n(kept.begin(), std::min(room.size(), kept.size()), room.begin());
+  std::size_t load(std::span<std::byte> buffer) {
+    std::copy_n(kept.begin(), std::min(buffer.size(), kept.size()), buffer.begin());
     return kept.size();
   }
   bool store(std::span<const std::byte> block) noexcept {

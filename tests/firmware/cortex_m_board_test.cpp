@@ -182,18 +182,18 @@ TEST_CASE("a period that the counter cannot hold is refused") {
 
 TEST_CASE("what the board stores is what it loads, and a memory that nobody wrote holds nothing") {
   std::mt19937_64 random(2);
-  std::array<std::byte, kConfigBlockSize> room{};
+  std::array<std::byte, kConfigBlockSize> buffer{};
   for (int i = 0; i < 200; ++i) {
     StorageMemory memory{};
     BoardStorage storage(memory);
-    CHECK(storage.load(room) == 0);
+    CHECK(storage.load(buffer) == 0);
     std::vector<std::byte> block(random() % (kConfigBlockSize + 1));
     for (auto& b : block) b = static_cast<std::byte>(random());
     REQUIRE(storage.store(block));
-    REQUIRE(storage.load(room) == block.size());
-    REQUIRE(std::equal(block.begin(), block.end(), room.begin()));
+    REQUIRE(storage.load(buffer) == block.size());
+    REQUIRE(std::equal(block.begin(), block.end(), buffer.begin()));
     memory.size = kConfigBlockSize + 1 + static_cast<std::uint32_t>(random() % 1000000);
-    REQUIRE(storage.load(room) == 0);
+    REQUIRE(storage.load(buffer) == 0);
   }
   StorageMemory memory{};
   CHECK_FALSE(BoardStorage(memory).store(std::vector<std::byte>(kConfigBlockSize + 1)));

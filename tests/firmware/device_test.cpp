@@ -121,7 +121,7 @@ TEST_CASE("a device with a bad configuration can be mended register by register"
   CHECK(b.fault() == Fault::kNone);
 }
 
-TEST_CASE("rooms whose configuration makes no sense keep the device in BRAKE until it does") {
+TEST_CASE("parts whose configuration is not valid keep the device in BRAKE until it does") {
   DeviceConfig config = bench_config();
   config.encoders.direction[3] = 0;
   config.thermal.limit_K[1] = 50;

@@ -146,17 +146,17 @@ TEST_CASE("storage: what was stored last is loaded by the next start, and nothin
   namespace fs = std::filesystem;
   const std::string path = (fs::temp_directory_path() / ("tactus_storage_" + std::to_string(getpid()))).string();
   fs::remove(path);
-  std::array<std::byte, kConfigBlockSize> room{};
+  std::array<std::byte, kConfigBlockSize> buffer{};
   const auto first = block_of(kConfigBlockSize, 1), second = block_of(100, 2);
   for (const auto& block : {first, second}) {
     FileStorage storage;
     REQUIRE(storage.open(path) == "");
-    if (&block == &first) CHECK(storage.load(room) == 0);
+    if (&block == &first) CHECK(storage.load(buffer) == 0);
     CHECK(storage.store(block));
     storage.close();  // what was taken over is written
     REQUIRE(storage.open(path) == "");
-    REQUIRE(storage.load(room) == block.size());
-    CHECK(std::equal(block.begin(), block.end(), room.begin()));
+    REQUIRE(storage.load(buffer) == block.size());
+    CHECK(std::equal(block.begin(), block.end(), buffer.begin()));
     CHECK(storage.failures() == 0);
     CHECK_FALSE(fs::exists(path + ".new"));
   }

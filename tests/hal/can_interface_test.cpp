@@ -34,7 +34,7 @@ TEST_CASE("an interface that is up at 1 Mbit/s carries classic frames, and FD fr
   CHECK_THAT(check_can_interface(interface, true).message(), Contains("mtu 72"));
 }
 
-TEST_CASE("an interface that is no CAN, down, or bus-off for good is refused with its cure") {
+TEST_CASE("an interface that is no CAN, down, or bus-off for good is refused with its remedy") {
   CanInterface interface = good();
   interface.is_can = false;
   CHECK_THAT(check_can_interface(interface, false).message(), Contains("can0 is no CAN interface"));

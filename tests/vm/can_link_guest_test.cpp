@@ -392,7 +392,7 @@ TEST_CASE("a frame's arrival is when it came, not when it was read", "[threads]"
   CHECK(frame.arrival_ns < read - 100'000'000);
 }
 
-TEST_CASE("what is wrong at opening is said in one line that holds its cure", "[threads]") {
+TEST_CASE("what is wrong at opening is said in one line that holds its remedy", "[threads]") {
   const auto message = [](CanOptions options) {
     options.first_frame = 50ms;
     const auto link = CanLink::open(options);

@@ -197,7 +197,7 @@ TEST_CASE("lines that are not in the options do nothing") {
   CHECK(lines->counters().write_failed == 0);
 }
 
-TEST_CASE("what is wrong at opening is said in one line that holds its cure") {
+TEST_CASE("what is wrong at opening is said in one line that holds its remedy") {
   const auto message = [](const GpioOptions& options) {
     const auto lines = GpioLines::open(options);
     REQUIRE_FALSE(lines.ok());

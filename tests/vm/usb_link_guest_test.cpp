@@ -166,7 +166,7 @@ TEST_CASE("USB guest: a device is listed with what it is, and opened alone or by
         "no USB device with serial SERIAL-8; there are: " + describe(info));
 }
 
-TEST_CASE("USB guest: a device that is in use, or not ours to open, is an error with its cure", "[usb][threads]") {
+TEST_CASE("USB guest: a device that is in use, or not ours to open, is an error with its remedy", "[usb][threads]") {
   Board board;
   {
     const auto link = opened();

@@ -30,7 +30,7 @@ class MovingSource final : public view::ViewSource {
 
   const std::string& scene(std::size_t) const override { return scene_; }
 
-  News look(std::size_t, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) override {
+  Update look(std::size_t, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) override {
     constexpr double kPeriod_s = 1.0 / 60;
     const double now_s = 1e-9 * static_cast<double>(MonotonicClock::now_ns());
     if (now_s < next_s_) return {};

@@ -45,8 +45,8 @@ std::vector<std::string> bus_interrupt_lines(const CheckContext& context);
 
 // --- helpers of all three
 Finding green(const char* check, std::string found);
-Finding amber(const char* check, std::string found, std::string cure, std::string commands = {});
-Finding red(const char* check, std::string found, std::string cure, std::string commands = {});
+Finding amber(const char* check, std::string found, std::string remedy, std::string commands = {});
+Finding red(const char* check, std::string found, std::string remedy, std::string commands = {});
 // The value of `name=` in /proc/cmdline; empty if absent.
 std::optional<std::string> boot_parameter(const SystemView& system, const std::string& name);
 bool contains(const std::vector<int>& cpus, int cpu);

@@ -50,25 +50,25 @@ Finding green(const char* check, std::string found) {
   return {.check = check,
           .verdict = Verdict::kGreen,
           .found = std::move(found),
-          .cure = {},
+          .remedy = {},
           .commands = {},
           .distorts = false};
 }
 
-Finding amber(const char* check, std::string found, std::string cure, std::string commands) {
+Finding amber(const char* check, std::string found, std::string remedy, std::string commands) {
   return {.check = check,
           .verdict = Verdict::kAmber,
           .found = std::move(found),
-          .cure = std::move(cure),
+          .remedy = std::move(remedy),
           .commands = std::move(commands),
           .distorts = false};
 }
 
-Finding red(const char* check, std::string found, std::string cure, std::string commands) {
+Finding red(const char* check, std::string found, std::string remedy, std::string commands) {
   return {.check = check,
           .verdict = Verdict::kRed,
           .found = std::move(found),
-          .cure = std::move(cure),
+          .remedy = std::move(remedy),
           .commands = std::move(commands),
           .distorts = false};
 }

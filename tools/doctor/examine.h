@@ -18,7 +18,7 @@ struct Finding {
   std::string check;  // one word
   Verdict verdict{Verdict::kGreen};
   std::string found;     // the observed state, one line
-  std::string cure;      // remedy, one line; empty: none needed
+  std::string remedy;    // one line; empty: none needed
   std::string commands;  // shell lines printed by --fix; empty: no command can fix it
   bool distorts{false};  // figures taken on this machine will not be representative
 };

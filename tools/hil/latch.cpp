@@ -23,7 +23,7 @@ std::string never_forced(std::span<const Record> records, std::uint32_t phase) {
   if (frame.state == firmware::State::kForce) return {};
   const bool unhomed = (frame.limits & bit_of(firmware::Limit::kNotHomed)) != 0;
   return fmt::format("FORCE was asked for, and the device is in {}{}", describe(frame),
-                     unhomed ? ": it wants to be homed first" : "");
+                     unhomed ? ": it is not homed" : "");
 }
 
 std::string latch_broken(std::span<const Record> records, std::uint32_t phase, firmware::Fault fault) {

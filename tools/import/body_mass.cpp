@@ -34,8 +34,8 @@ bool is_inside(const std::vector<Vec3d>& points, const Vec3d& centre) {
 }
 
 bool is_diagonal(const SymMat3d& m) {
-  const double room = kSame * trace(m);
-  return std::abs(m.xy) <= room && std::abs(m.xz) <= room && std::abs(m.yz) <= room;
+  const double tolerance = kSame * trace(m);
+  return std::abs(m.xy) <= tolerance && std::abs(m.xz) <= tolerance && std::abs(m.yz) <= tolerance;
 }
 
 // A sphere, a capsule, a cylinder or a box with its centre of mass in the middle and principal axes along its own:

@@ -80,9 +80,9 @@ MassProperties solid_of(const sim::TriangleSoup& soup) {
 
 bool is_a_body(const MassProperties& p) {
   const SymMat3d& m = p.inertia;
-  const double half = 0.5 * trace(m), a = half - m.xx, b = half - m.yy, c = half - m.zz, room = 1e-10 * half;
-  return p.mass > 0 && half > 0 && std::min({a, b, c}) > -room && (a + room) * (b + room) >= m.xy * m.xy &&
-         (a + room) * (c + room) >= m.xz * m.xz && (b + room) * (c + room) >= m.yz * m.yz;
+  const double half = 0.5 * trace(m), a = half - m.xx, b = half - m.yy, c = half - m.zz, rounding = 1e-10 * half;
+  return p.mass > 0 && half > 0 && std::min({a, b, c}) > -rounding && (a + rounding) * (b + rounding) >= m.xy * m.xy &&
+         (a + rounding) * (c + rounding) >= m.xz * m.xz && (b + rounding) * (c + rounding) >= m.yz * m.yz;
 }
 
 }  // namespace tactus::scene_import

@@ -76,12 +76,12 @@ std::vector<Vec3d> points_on(const sim::TriangleSoup& soup, double lift_m) {
   return points;
 }
 
-bool is_within(const sim::TriangleSoup& convex, const Vec3d& p, double room) {
+bool is_within(const sim::TriangleSoup& convex, const Vec3d& p, double tolerance) {
   for (const auto& t : convex.triangles) {
     const Vec3d &a = convex.corners[t[0]], &b = convex.corners[t[1]], &c = convex.corners[t[2]];
     const Vec3d n = cross(b - a, c - a);
     const double size = norm(n);
-    if (size > 0 && dot(n, p - a) / size > -room) return false;
+    if (size > 0 && dot(n, p - a) / size > -tolerance) return false;
   }
   return true;
 }
@@ -94,14 +94,14 @@ double deviation_of(const sim::TriangleSoup& mesh, const std::vector<sim::Triang
     for (const auto& piece : pieces) least = std::min(least, distance_to(p, piece));
     most = std::max(most, least);
   }
-  const double room = 1e-6 * extent_of(mesh.corners);
+  const double tolerance = 1e-6 * extent_of(mesh.corners);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     // Lifted: where two pieces meet face to face, a point of one is then inside of the other.
-    const auto points = points_on(pieces[i], 10 * room);
+    const auto points = points_on(pieces[i], 10 * tolerance);
     for (std::size_t k = 0; k < points.size(); k += pieces.size()) {  // kSurfacePoints of all pieces
       bool covered = false;  // inside of another piece: no part of the union's surface
       for (std::size_t other = 0; other < pieces.size() && !covered; ++other)
-        covered = other != i && is_within(pieces[other], points[k], room);
+        covered = other != i && is_within(pieces[other], points[k], tolerance);
       if (!covered) most = std::max(most, distance_to(points[k], mesh));
     }
   }

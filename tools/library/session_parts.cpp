@@ -36,10 +36,10 @@ class DenormalsFlushed {
 }  // namespace
 
 void Session::Parts::Hand::keep(std::uint64_t written) {
-  const std::size_t room = history.size();
-  history_size = static_cast<std::size_t>(std::min<std::uint64_t>(written, room));
-  if (written > room)
-    std::rotate(history.begin(), history.begin() + static_cast<std::ptrdiff_t>(written % room), history.end());
+  const std::size_t capacity = history.size();
+  history_size = static_cast<std::size_t>(std::min<std::uint64_t>(written, capacity));
+  if (written > capacity)
+    std::rotate(history.begin(), history.begin() + static_cast<std::ptrdiff_t>(written % capacity), history.end());
 }
 
 Error Session::Parts::check() const {
@@ -167,18 +167,18 @@ void Session::Parts::step(std::uint64_t ticks) {
 // Reads the ring and keeps the newest history_ticks; returns the number of ticks lost.
 std::uint64_t Session::Parts::take_ticks() {
   Hand& hand = each.front();
-  const std::size_t room = hand.history.size();
+  const std::size_t capacity = hand.history.size();
   std::uint64_t taken = 0;
   RingRecord record;
   Tick tick;
   while (ring->try_pop(record, std::as_writable_bytes(std::span<Tick, 1>(&tick, 1))) == Pop::kRecord) {
-    hand.history[taken++ % room] = tick;
+    hand.history[taken++ % capacity] = tick;
   }
   const std::uint64_t dropped = ring->dropped();
   std::uint64_t lost = dropped - dropped_before;
   dropped_before = dropped;
   hand.keep(taken);
-  if (taken > room) lost += taken - room;
+  if (taken > capacity) lost += taken - capacity;
   if (hand.history_size > 0) hand.last = hand.history[hand.history_size - 1];
   return lost;
 }

@@ -264,11 +264,11 @@ void Run::end_with_error_of_hand() {
 
 void Run::keep_ticks(unsigned hand) {
   const auto ticks = session_.ticks(hand);
-  const std::size_t room = session_.options().history_ticks;
+  const std::size_t capacity = session_.options().history_ticks;
   std::vector<Tick>& unseen = hands_[hand].unseen;
   unseen.insert(unseen.end(), ticks.begin(), ticks.end());
-  if (unseen.size() <= room) return;
-  const std::size_t over = unseen.size() - room;
+  if (unseen.size() <= capacity) return;
+  const std::size_t over = unseen.size() - capacity;
   hands_[hand].lost += over;
   unseen.erase(unseen.begin(), unseen.begin() + static_cast<std::ptrdiff_t>(over));
 }

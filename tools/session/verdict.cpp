@@ -202,7 +202,7 @@ Ruling setup_of(const RunSummary& s) {
           0,
           kInfinite,
           fmt::format("without {} as asked for: its timing says more about the machine than about tactus", names),
-          "see set-up: each line has its cure",
+          "see set-up: each line has its remedy",
           true};
 }
 
@@ -273,7 +273,7 @@ std::string Verdict::text() const {
     for (const Ruling& r : rulings)
       if (r.level() == level)
         text += fmt::format("  {:<8} {:<13} {}{}\n  {:<22} {}\n", name_of(level), r.rule, r.found, limit_text(r), "",
-                            r.cure);
+                            r.remedy);
   return text.empty() ? text : "why not good\n" + text;
 }
 
@@ -315,7 +315,7 @@ nlohmann::json to_json(const Verdict& verdict) {
                        {"whose", r.machine ? "machine" : "program"}};
     if (r.level() != Level::kGood) {
       one["found"] = r.found;
-      one["cure"] = r.cure;
+      one["cure"] = r.remedy;
     }
     list.push_back(one);
   }

@@ -46,8 +46,8 @@ struct Ruling {
   std::string rule, figure, unit;
   double measured{0};
   double degraded_above{std::numeric_limits<double>::infinity()}, bad_above{std::numeric_limits<double>::infinity()};
-  std::string found, cure;  // texts if it is not good
-  bool machine{false};      // caused by the machine, not by the program
+  std::string found, remedy;  // texts if it is not good
+  bool machine{false};        // caused by the machine, not by the program
 
   Level level() const noexcept;
 };

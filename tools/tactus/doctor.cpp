@@ -38,7 +38,7 @@ void print_text(const Report& report) {
   for (const Finding& f : report.findings) {
     ++counts[static_cast<std::size_t>(f.verdict)];
     fmt::print("{}  {:<20} {}\n", coloured(f.verdict, colour), f.check, f.found);
-    if (!f.cure.empty()) fmt::print("       {:<20} cure: {}\n", "", f.cure);
+    if (!f.remedy.empty()) fmt::print("       {:<20} remedy: {}\n", "", f.remedy);
   }
   fmt::print("\ncpu {} for the haptic thread: {} green, {} amber, {} red\n", report.cpu, counts[0], counts[1],
              counts[2]);
@@ -49,7 +49,7 @@ void print_text(const Report& report) {
 }
 
 void print_fixes(const Report& report) {
-  fmt::print("# What would cure the findings on this machine; read it, then run what you want, as root.\n");
+  fmt::print("# What would remove the findings on this machine; read it, then run what you choose, as root.\n");
   for (const Finding& f : report.findings)
     if (!f.commands.empty()) fmt::print("\n# {}: {}\n{}\n", f.check, f.found, f.commands);
 }
@@ -57,7 +57,8 @@ void print_fixes(const Report& report) {
 void print_json(const Report& report) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const Finding& f : report.findings)
-    rows.push_back({{"check", f.check}, {"verdict", doctor::name_of(f.verdict)}, {"found", f.found}, {"cure", f.cure}});
+    rows.push_back(
+        {{"check", f.check}, {"verdict", doctor::name_of(f.verdict)}, {"found", f.found}, {"cure", f.remedy}});
   const nlohmann::ordered_json object{{"rows", rows}, {"cpu", report.cpu}, {"representative", report.representative()}};
   fmt::print("{}\n", report_text(object, 2));
 }
@@ -101,7 +102,7 @@ CLI::App* add_doctor_command(CLI::App& program, int& exit_code) {
       "Example:\n"
       "  tactus doctor --cpu 3\n"
       "  tactus doctor --device can:can0\n"
-      "  tactus doctor --fix > cure.sh");
+      "  tactus doctor --fix > remedy.sh");
   doctor->add_option("--cpu", options->request.cpu, help::kCpu)->check(CLI::Range(0, 4095));
   doctor->add_option("--rate", options->request.rate_Hz, help::kRate)
       ->check(CLI::Range(100.0, 20000.0))

@@ -55,12 +55,12 @@ RandomWorld make_random_world(std::uint64_t seed) {
   const double middle = random.logarithmic(kSmallest_m, kLargest_m), spread = random.chance(0.5) ? 3 : 1000;
   const double mass = random.logarithmic(kLightest_kg, kHeaviest_kg), ratio = random.chance(0.5) ? 10 : 1e6;
   const auto count = 2 + random.below(11);
-  const double room =
+  const double region =
       middle * std::cbrt(count) * random.uniform(0.3, 1.5);  // smaller or larger than the space that they need
   for (std::uint32_t k = 0; k < count; ++k) {
     const double size = std::clamp(middle * random.logarithmic(1 / spread, spread), kSmallest_m, kLargest_m);
     const double weight = std::clamp(mass * random.logarithmic(1 / ratio, ratio), kLightest_kg, kHeaviest_kg);
-    const Posed pose{random.vector(room) + Vec3d{0, 0, room}, quat_from_rotation_vector(random.vector(3))};
+    const Posed pose{random.vector(region) + Vec3d{0, 0, region}, quat_from_rotation_vector(random.vector(3))};
     const double friction = random.chance(0.2) ? 0 : random.uniform(0, random.chance(0.5) ? 1 : kMaxFriction);
     auto body = physics::make_dynamic_body(k, random_shape(random, size), weight, friction, pose);
     body.motion.velocity = {random.vector(random.chance(0.5) ? 10 : 0.1), random.vector(random.chance(0.5) ? 50 : 0)};
@@ -70,10 +70,10 @@ RandomWorld make_random_world(std::uint64_t seed) {
   if (random.chance(0.8))
     world.bodies.push_back(physics::make_fixed_body(count, Shape::plane(), random.uniform(0, 1), {}));
   if (random.chance(0.3)) {
-    const Posed pose{random.vector(room), quat_from_rotation_vector(random.vector(3))};
+    const Posed pose{random.vector(region), quat_from_rotation_vector(random.vector(3))};
     const double friction = random.uniform(0, kMaxFriction);
     world.bodies.push_back(
-        physics::make_fixed_body(count + 1, Shape::box({0.5 * room, 0.5 * room, 0.5 * room}), friction, pose));
+        physics::make_fixed_body(count + 1, Shape::box({0.5 * region, 0.5 * region, 0.5 * region}), friction, pose));
   }
   world.held = random.chance(0.4);
   if (world.held) {

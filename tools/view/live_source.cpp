@@ -42,11 +42,12 @@ std::string LiveSource::hand() const {
   return options.hands > 1 ? fmt::format("hand {} of {}", options.hand + 1, options.hands) : std::string();
 }
 
-ViewSource::News LiveSource::look(std::size_t, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) {
-  News news;
-  news.lost = controller_->watcher().read_ticks(ticks, kMaxTicks);
-  news.fresh = controller_->watcher().read_frame(frame);
-  return news;
+ViewSource::Update LiveSource::look(std::size_t, std::vector<publication::TickEntry>& ticks,
+                                    publication::Frame& frame) {
+  Update update;
+  update.lost = controller_->watcher().read_ticks(ticks, kMaxTicks);
+  update.fresh = controller_->watcher().read_frame(frame);
+  return update;
 }
 
 // The run's own words, and where the page of its fault is.

@@ -27,7 +27,7 @@ class LiveSource final : public ViewSource {
 
   std::string hand() const override;
   const std::string& scene(std::size_t) const override { return scene_; }
-  News look(std::size_t view, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) override;
+  Update look(std::size_t view, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) override;
   bool ended() override { return controller_->ended(); }
   std::string status() override;
   Answer ask(const PageMessage& message) override;

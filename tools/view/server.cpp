@@ -371,15 +371,15 @@ void Server::poll(const std::atomic<bool>& stop) {
 
 void Server::look(std::size_t view) {
   ticks_.clear();
-  const ViewSource::News news = source_->look(view, ticks_, views_[view].frame);
-  views_[view].has_frame = views_[view].has_frame || news.fresh;
+  const ViewSource::Update update = source_->look(view, ticks_, views_[view].frame);
+  views_[view].has_frame = views_[view].has_frame || update.fresh;
   const auto pages = pages_;  // a page that fails leaves the set
   for (const auto& page : pages) {
     if (page->view != view) continue;
     const std::uint32_t before = page->stream.dropped();
-    if (news.restarted) page->stream.restart();
-    page->stream.offer_ticks(ticks_, news.lost);
-    if (news.fresh) page->stream.offer_frame();
+    if (update.restarted) page->stream.restart();
+    page->stream.offer_ticks(ticks_, update.lost);
+    if (update.fresh) page->stream.offer_frame();
     report_.frames_dropped += page->stream.dropped() - before;
     page->send_new();
   }

@@ -96,8 +96,8 @@ void TapeSource::step_cycle() {
   }
 }
 
-ViewSource::News TapeSource::look(std::size_t view, std::vector<publication::TickEntry>& ticks,
-                                  publication::Frame& frame) {
+ViewSource::Update TapeSource::look(std::size_t view, std::vector<publication::TickEntry>& ticks,
+                                    publication::Frame& frame) {
   if (view == 0) {
     const std::int64_t now_ns = MonotonicClock::now_ns();
     const double passed_s = std::min(kLongestPause_s, 1e-9 * static_cast<double>(now_ns - last_look_ns_));
@@ -109,12 +109,12 @@ ViewSource::News TapeSource::look(std::size_t view, std::vector<publication::Tic
   Fresh& fresh = fresh_[view];
   const std::uint64_t cycles = shows_[view]->history().cycles();
   // What is shown may have been rebuilt since.
-  const News news{
+  const Update update{
       .lost = 0, .fresh = fresh.frame || (cycles != fresh.cycles && !playing_), .restarted = fresh.restarted};
   ticks.insert(ticks.end(), fresh.ticks.begin(), fresh.ticks.end());
-  if (news.fresh) shows_[view]->take_frame(frame);
+  if (update.fresh) shows_[view]->take_frame(frame);
   fresh = {.ticks = {}, .frame = false, .restarted = false, .cycles = cycles};
-  return news;
+  return update;
 }
 
 std::string TapeSource::note(const TapeShow& show) const {

@@ -20,7 +20,7 @@ class TapeSource final : public ViewSource {
 
   std::size_t views() const override { return shows_.size(); }
   const std::string& scene(std::size_t view) const override { return scenes_[view]; }
-  News look(std::size_t view, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) override;
+  Update look(std::size_t view, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) override;
   std::string status() override;
   Answer ask(const PageMessage& message) override;
   void joined() override { seek_to_s_ = seek_to_s_.value_or(clock_s_); }

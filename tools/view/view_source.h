@@ -30,14 +30,14 @@ class ViewSource {
   // The first message of a page (scene_text.h).
   virtual const std::string& scene(std::size_t view) const = 0;
 
-  struct News {
+  struct Update {
     std::uint64_t lost{0};  // ticks
     bool fresh{false};      // `frame` is new
-    bool restarted{false};  // the ticks begin anew, elsewhere in time
+    bool restarted{false};  // the ticks go on at another time: those before are no longer valid
   };
-  // What is new since the last look: ticks are appended, the frame is replaced. Called about 60 times a second, for
-  // every view in turn.
-  virtual News look(std::size_t view, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) = 0;
+  // Reads what is new since the last call: ticks are appended, the frame is replaced. Called about 60 times a second,
+  // for every view in turn.
+  virtual Update look(std::size_t view, std::vector<publication::TickEntry>& ticks, publication::Frame& frame) = 0;
   virtual bool ended() { return false; }
 
   // The state of playing as one JSON object; pages get it when it has changed. Empty: none.

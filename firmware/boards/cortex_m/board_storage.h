@@ -21,10 +21,10 @@ class BoardStorage {
   explicit BoardStorage(StorageMemory& memory) noexcept : memory_(memory) {}
 
   // Also 0 if the stored size is invalid.
-  std::size_t load(std::span<std::byte> room) noexcept {
+  std::size_t load(std::span<std::byte> buffer) noexcept {
     const std::size_t size = memory_.size;
-    if (size > kConfigBlockSize || size > room.size()) return 0;
-    for (std::size_t i = 0; i < size; ++i) room[i] = static_cast<std::byte>(memory_.words[i / 4] >> (8 * (i % 4)));
+    if (size > kConfigBlockSize || size > buffer.size()) return 0;
+    for (std::size_t i = 0; i < size; ++i) buffer[i] = static_cast<std::byte>(memory_.words[i / 4] >> (8 * (i % 4)));
     return size;
   }
 

@@ -16,8 +16,8 @@ std::string ValueFile::open(const std::string& path, bool writes) {
   close();
   file_ = ::open(path.c_str(), (writes ? O_RDWR : O_RDONLY) | O_CLOEXEC);
   if (file_ >= 0) return "";
-  const char* cure = errno == EACCES ? "; run as root, or give this user the right" : "";
-  return path + ": " + std::strerror(errno) + cure;
+  const char* remedy = errno == EACCES ? "; run as root, or give this user the right" : "";
+  return path + ": " + std::strerror(errno) + remedy;
 }
 
 void ValueFile::close() noexcept {

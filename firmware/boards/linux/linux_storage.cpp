@@ -30,10 +30,10 @@ void FileStorage::close() noexcept {
   path_.clear();
 }
 
-std::size_t FileStorage::load(std::span<std::byte> room) {
+std::size_t FileStorage::load(std::span<std::byte> buffer) {
   const int file = path_.empty() ? -1 : ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return 0;
-  const ssize_t size = read(file, room.data(), room.size());
+  const ssize_t size = read(file, buffer.data(), buffer.size());
   ::close(file);
   return size > 0 ? static_cast<std::size_t>(size) : 0;
 }

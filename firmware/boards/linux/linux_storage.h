@@ -28,7 +28,7 @@ class FileStorage {
   std::string open(const std::string& path);
   void close() noexcept;  // writes an accepted block first
 
-  std::size_t load(std::span<std::byte> room);
+  std::size_t load(std::span<std::byte> buffer);
   bool store(std::span<const std::byte> block) noexcept;
   std::uint64_t failures() const noexcept { return failures_.load(std::memory_order_relaxed); }  // files not written
 

@@ -100,8 +100,8 @@ unsigned CanSocket::receive(int& error) noexcept {
                                   : extended     ? CAN_EFF_FLAG | CAN_EFF_MASK
                                                  : CAN_SFF_MASK);
     received.fd = headers_[i].msg_len == CANFD_MTU;
-    const std::size_t room = received.fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN;
-    received.data = std::as_bytes(std::span(frame.data)).first(frame.len <= room ? frame.len : room);
+    const std::size_t capacity = received.fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN;
+    received.data = std::as_bytes(std::span(frame.data)).first(frame.len <= capacity ? frame.len : capacity);
     note_control(headers_[i].msg_hdr, received, monotonic_from_real_ns);
   }
   return static_cast<unsigned>(count);

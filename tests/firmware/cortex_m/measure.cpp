@@ -192,7 +192,7 @@ void control_periods(Rig& rig) noexcept {
   board_registers.pins = kPinSupplyGood | kPinStopReleased;
 }
 
-// The rooms around the controller that are off by default: the arm's weight with every term, thermal model, filter.
+// The parts around the controller that are off by default: the arm's weight with every term, thermal model, filter.
 void switch_everything_on(Rig& rig) noexcept {
   const auto write = [&](unsigned address, float value) {
     const ServiceMessage reply =
@@ -220,7 +220,7 @@ void everything_on(Rig& rig) noexcept {
   constexpr AxisValues huge{90, -80, 70, 5, -6, 7};
   switch_everything_on(rig);
   bring_to_force(rig);
-  scenario(rig, "all_rooms", [&](unsigned) { rig.command(State::kForce, huge); });
+  scenario(rig, "all_parts", [&](unsigned) { rig.command(State::kForce, huge); });
   scenario(rig, "all_and_request", [&](unsigned i) {
     rig.command(State::kForce, huge);
     rig.request(Operation::kRead, static_cast<std::uint16_t>(i), 0);

@@ -190,7 +190,7 @@ TEST_CASE("a priority that is asked for is had", "[loop]") {
   CHECK(failed == 0);
 }
 
-TEST_CASE("without privileges each refused call is a line with its cure, and the thread works on", "[loop]") {
+TEST_CASE("without privileges each refused call is a line with its remedy, and the thread works on", "[loop]") {
   TACTUS_NEEDS(geteuid() != 0 || test::RtGuard::available(), "a sanitizer swallows mlockall and says that it worked");
   const int failed = in_own_process([](Claims& claims) {
     drop_privileges();

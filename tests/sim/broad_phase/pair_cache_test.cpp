@@ -14,7 +14,7 @@ using namespace tactus::test;
 namespace {
 
 Keys by_cache(PairCache& cache, const Boxes& boxes) {
-  auto pairs = room_for_pairs(boxes);
+  auto pairs = list_for_pairs(boxes);
   REQUIRE(cache.find(boxes, pairs));
   return sorted_keys(pairs);
 }
@@ -62,7 +62,7 @@ TEST_CASE("Kept pairs are those of the brute-force test, whatever moves, comes a
   CHECK(cache.work().moved > 1000);
 }
 
-TEST_CASE("Where nothing leaves its room no pair is looked for, and one body that moves costs its own pairs") {
+TEST_CASE("Where nothing leaves its fat box no pair is searched, and one body that moves costs its own pairs") {
   constexpr std::uint32_t kBodies = 1000;
   Random random(4);
   PairCache cache(kBodies, 64 * kBodies);

@@ -18,7 +18,7 @@ struct Found {
 
 Found by_grid(const Boxes& boxes) {
   sim::PairGrid grid(static_cast<std::uint32_t>(boxes.size()));
-  auto pairs = room_for_pairs(boxes);
+  auto pairs = list_for_pairs(boxes);
   REQUIRE(grid.find(boxes, pairs));
   return {sorted_keys(pairs), grid.work()};
 }

@@ -21,13 +21,13 @@ inline Keys sorted_keys(const BoundedVector<physics::SlotPair>& pairs) {
   return keys;
 }
 
-// Room for all pairs that so many boxes can make.
-inline BoundedVector<physics::SlotPair> room_for_pairs(const Boxes& boxes) {
+// A list for all pairs that so many boxes can make.
+inline BoundedVector<physics::SlotPair> list_for_pairs(const Boxes& boxes) {
   return BoundedVector<physics::SlotPair>(static_cast<std::uint32_t>(boxes.size() * boxes.size() / 2 + 1));
 }
 
 inline Keys by_brute_force(const Boxes& boxes) {
-  auto pairs = room_for_pairs(boxes);
+  auto pairs = list_for_pairs(boxes);
   REQUIRE(physics::find_pairs_brute_force(boxes, pairs));
   return sorted_keys(pairs);
 }

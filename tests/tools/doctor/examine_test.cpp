@@ -75,7 +75,7 @@ void only(const Tree& tree, const std::string& check, Verdict verdict) {
   for (const Finding& finding : report.findings) {
     INFO(finding.check << ": " << finding.found);
     CHECK(finding.verdict == (finding.check == check ? verdict : Verdict::kGreen));
-    CHECK(finding.cure.empty() == (finding.verdict == Verdict::kGreen));
+    CHECK(finding.remedy.empty() == (finding.verdict == Verdict::kGreen));
   }
   CHECK(of(report, check).verdict == verdict);
 }
@@ -89,7 +89,7 @@ TEST_CASE("A PC as it should be is green in every check, and its figures are rep
     INFO(finding.check << ": " << finding.found);
     CHECK(finding.verdict == Verdict::kGreen);
     CHECK_FALSE(finding.found.empty());
-    CHECK(finding.cure.empty());
+    CHECK(finding.remedy.empty());
   }
   CHECK(report.findings.size() == 17);
   CHECK(report.cpu == 3);
@@ -119,7 +119,7 @@ TEST_CASE("A virtual machine is amber and distorts the figures") {
   CHECK_FALSE(tree.examine().representative());
 }
 
-TEST_CASE("A slow clock source is amber, and the cure names the quick one where there is one") {
+TEST_CASE("A slow clock source is amber, and the remedy names the quick one where there is one") {
   const Tree tree;
   tree.write("sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet\n");
   only(tree, "clock", Verdict::kAmber);
@@ -313,7 +313,7 @@ TEST_CASE("The interrupts of a device on USB are its controller's") {
   CHECK(of(tree.examine(request), "bus-interrupt").verdict == Verdict::kAmber);
 }
 
-TEST_CASE("What cures the findings is a shell script, and nothing in it ends the machine's run half way") {
+TEST_CASE("What removes the findings is a shell script, and nothing in it ends the machine's run half way") {
   const Tree tree;
   tree.write("process", "user ada\nrtprio_limit 0\nmemlock_limit_B 0\ncpus_allowed 4\nlast_allowed_cpu 3\n");
   for (const char* file : {"sys/devices/system/cpu/isolated", "sys/devices/system/cpu/nohz_full", "proc/cmdline",
@@ -347,8 +347,8 @@ TEST_CASE("What cures the findings is a shell script, and nothing in it ends the
       CHECK(known.find(" " + first + " ") != std::string::npos);
       CHECK(line.substr(0, line.find(" #")).find("reboot") == std::string::npos);
     }
-    tree.write("cure.sh", finding.commands + "\n");
-    CHECK(std::system(("sh -n " + (tree.root / "cure.sh").string()).c_str()) == 0);
+    tree.write("remedy.sh", finding.commands + "\n");
+    CHECK(std::system(("sh -n " + (tree.root / "remedy.sh").string()).c_str()) == 0);
   }
   CHECK(with_commands >= 15);
 }
@@ -391,6 +391,6 @@ TEST_CASE("On this machine every check finds something to say") {
   for (const Finding& finding : report.findings) {
     INFO(finding.check);
     CHECK_FALSE(finding.found.empty());
-    CHECK(finding.cure.empty() == (finding.verdict == Verdict::kGreen));
+    CHECK(finding.remedy.empty() == (finding.verdict == Verdict::kGreen));
   }
 }

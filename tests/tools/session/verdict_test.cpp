@@ -59,7 +59,7 @@ TEST_CASE("a run against which nothing is to be said is good, in one word") {
   CHECK(verdict.rulings.size() == 12);
 }
 
-TEST_CASE("each rule alone makes a run degraded or bad, says why with the figure, and how to cure it") {
+TEST_CASE("each rule alone makes a run degraded or bad, says why with the figure, and its remedy") {
   const Case cases[] = {
       {"fault", Level::kBad, "a fault is latched",
        [](RunSummary& s) {
@@ -122,7 +122,7 @@ TEST_CASE("each rule alone makes a run degraded or bad, says why with the figure
     CHECK_THAT(verdict.line(), StartsWith(one.level == Level::kBad ? "BAD: " : "DEGRADED: ") && Contains(one.words));
     for (const Ruling& ruling : verdict.rulings) {
       CHECK(ruling.level() == (ruling.rule == one.rule ? one.level : Level::kGood));
-      if (ruling.rule == one.rule) CHECK_THAT(verdict.text(), Contains(ruling.found) && Contains(ruling.cure));
+      if (ruling.rule == one.rule) CHECK_THAT(verdict.text(), Contains(ruling.found) && Contains(ruling.remedy));
     }
     const auto json = to_json(s);
     CHECK(json["level"] == name_of(one.level));

@@ -86,7 +86,7 @@ TEST_CASE("a run within the budget goes ahead, and one with more members with fe
   CHECK_THAT(answer.note, Contains("64 members are asked for, 40 were measured"));
 }
 
-TEST_CASE("a run beyond what fewer members cure, or on another machine, is refused with the difference") {
+TEST_CASE("a run beyond what fewer members can lower, or on another machine, is refused with the difference") {
   const auto refusal = [](const Machine& machine, const BudgetRequest& request) {
     return check_budget(good_budget(), machine, request).refusal;
   };

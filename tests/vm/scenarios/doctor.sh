@@ -1,5 +1,5 @@
 # What the doctor says of this PC: right as it is, and with each thing wrong that can be wrong here, one at a time, put
-# right again by its cure. Core 2 is set apart by the kernel's command line; core 3 shares its hardware.
+# right again by its remedy. Core 2 is set apart by the kernel's command line; core 3 shares its hardware.
 . /bench/lib.sh
 link=doctor
 found=/tmp/doctor.json
@@ -10,12 +10,12 @@ has() { grep -A1 "\"check\": \"$1\"" $found | grep -q "\"verdict\": \"$2\""; }
 says() { grep -A3 "\"check\": \"$1\"" $found | tr '\n' ' '; }
 # expect CHECK VERDICT WHEN: of what the doctor said last.
 expect() { has "$1" "$2"; verdict "$1 is $2 $3" "$(says "$1")"; }
-# cure CHECK [OPTION...]: runs what --fix prints for the check.
-cure() {
+# remedy CHECK [OPTION...]: runs what --fix prints for the check.
+remedy() {
   check=$1
   shift
-  tactus doctor --fix "$@" | awk -v head="# $check:" 'index($0, "# ") == 1 { on = index($0, head) == 1 } on' >/tmp/cure.sh
-  sh /tmp/cure.sh >/tmp/cure.log 2>&1
+  tactus doctor --fix "$@" | awk -v head="# $check:" 'index($0, "# ") == 1 { on = index($0, head) == 1 } on' >/tmp/remedy.sh
+  sh /tmp/remedy.sh >/tmp/remedy.log 2>&1
 }
 mkdir -p /etc/sysctl.d
 
@@ -31,9 +31,9 @@ for check in isolation timer-ticks rcu; do expect $check amber "on core 1, which
 # This guest has no boot loader; one that reads what Debian's reads.
 printf '#!/bin/sh\n. /etc/default/grub.d/*isolcpus.cfg; . /etc/default/grub.d/*nohz_full.cfg; . /etc/default/grub.d/*rcu_nocbs.cfg; echo $GRUB_CMDLINE_LINUX >/tmp/boot-line\n' >/bin/update-grub
 chmod +x /bin/update-grub
-for check in isolation timer-ticks rcu; do cure $check --cpu 1; done
+for check in isolation timer-ticks rcu; do remedy $check --cpu 1; done
 [ "$(cat /tmp/boot-line)" = 'isolcpus=managed_irq,domain,1 nohz_full=1 rcu_nocbs=1' ]
-verdict "their cures give the boot loader one line" "$(cat /tmp/boot-line /tmp/cure.log)"
+verdict "their remedies give the boot loader one line" "$(cat /tmp/boot-line /tmp/remedy.log)"
 
 echo 0 >/tmp/zero
 mount --bind /tmp/zero /sys/kernel/realtime
@@ -44,9 +44,9 @@ umount /sys/kernel/realtime
 echo 950000 >/proc/sys/kernel/sched_rt_runtime_us
 doctor --cpu 2
 expect throttling amber "as kernels come"
-cure throttling --cpu 2
+remedy throttling --cpu 2
 doctor --cpu 2
-expect throttling green "after its cure"
+expect throttling green "after its remedy"
 
 # A PREEMPT_RT kernel puts no pages together; one that does, made up.
 mkdir -p /tmp/mm/transparent_hugepage
@@ -62,9 +62,9 @@ umount /sys/kernel/mm
 mkswap /dev/vda >/dev/null && swapon /dev/vda
 doctor --cpu 2
 expect swap amber "with swap on"
-cure swap --cpu 2
+remedy swap --cpu 2
 doctor --cpu 2
-expect swap green "after its cure"
+expect swap green "after its remedy"
 
 clocks=/sys/devices/system/clocksource/clocksource0
 before=$(cat $clocks/current_clocksource)
@@ -78,16 +78,16 @@ echo "$before" >$clocks/current_clocksource
 
 doctor --cpu 2
 expect sibling amber "while the other thread of its hardware is online"
-cure sibling --cpu 2
+remedy sibling --cpu 2
 doctor --cpu 2
-expect sibling green "after its cure"
+expect sibling green "after its remedy"
 expect cores amber "with three cores"
 echo 0 >/sys/devices/system/cpu/cpu1/online
 doctor --cpu 1
 expect cores red "where the chosen one is offline"
-cure cores --cpu 1
+remedy cores --cpu 1
 doctor --cpu 1
-expect cores amber "after its cure"
+expect cores amber "after its remedy"
 
 # The line that the bench itself speaks over has a driver and an interrupt.
 serial=$(awk -F: '/ttyS0/ { print $1 + 0; exit }' /proc/interrupts)
@@ -95,9 +95,9 @@ echo 2 >"/proc/irq/$serial/smp_affinity_list"
 interrupts_are() { echo >/dev/ttyS0; doctor --cpu 2; has interrupts "$1"; }
 wait_for interrupts_are amber
 verdict "interrupts is amber where a device's comes to core 2" "$(says interrupts)"
-cure interrupts --cpu 2
+remedy interrupts --cpu 2
 wait_for interrupts_are green
-verdict "interrupts is green after its cure" "$(says interrupts); $(cat /tmp/cure.sh /tmp/cure.log | tr '\n' ' ')"
+verdict "interrupts is green after its remedy" "$(says interrupts); $(cat /tmp/remedy.sh /tmp/remedy.log | tr '\n' ' ')"
 
 doctor --cpu 2 --device usb
 expect usb red "without a device"
@@ -109,16 +109,16 @@ expect can red "while it is down"
 ip link set can0 type can bitrate 125000 && ip link set can0 up
 doctor --cpu 2 --device can:can0
 expect can red "at 125 kbit/s, too slow for 1 kHz"
-cure can --cpu 2 --device can:can0
+remedy can --cpu 2 --device can:can0
 doctor --cpu 2 --device can:can0
-expect can green "after its cure"
+expect can green "after its remedy"
 # It may share its line with what was sent to one core above.
 echo 0,2-3 >"/proc/irq/$(cat /sys/class/net/can0/device/irq)/smp_affinity_list"
 doctor --cpu 2 --device can:can0
 expect bus-interrupt amber "where that of the controller may come to any core"
-cure bus-interrupt --cpu 2 --device can:can0
+remedy bus-interrupt --cpu 2 --device can:can0
 doctor --cpu 2 --device can:can0
-expect bus-interrupt green "after its cure"
+expect bus-interrupt green "after its remedy"
 expect interrupts green "while only the device's own bus interrupts the core"
 doctor --cpu 2 --device can:vcan0
 expect can green "on a virtual bus"
@@ -136,8 +136,8 @@ expect gpio red "for a user without rights"
 ulimit -r 98
 ulimit -l unlimited
 doctor_as_user --cpu 2
-expect priority-limit green "for a user with the limits of the cure"
-expect memory-limit green "for a user with the limits of the cure"
+expect priority-limit green "for a user with the limits of the remedy"
+expect memory-limit green "for a user with the limits of the remedy"
 
 link=usb
 start_device /bench/press.toml || exit

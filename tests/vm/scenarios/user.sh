@@ -25,7 +25,7 @@ if [ "$link" = usb ]; then
   as_user '' "$run 0.2" >$log 2>&1
   [ $? = 3 ] && grep -q 'no permission' $log
   verdict "without a udev rule it is refused in one line" "$(tail -n 1 $log)"
-  # The cure is in the message: taken literally, it has to work.
+  # The remedy is in the message: taken literally, it has to work.
   sed -n 's/.*again: \(SUBSYSTEM.*\)/\1/p' $log | head -n 1 >$rules/70-tactus.rules
   udevadm control --reload
   cable out

@@ -58,7 +58,7 @@ std::uint64_t hash_after(EffectBench& bench) {
 
 }  // namespace
 
-TEST_CASE("An effect that is not used has no room, and the bits are those of a world without it") {
+TEST_CASE("An effect that is not used has no memory, and the bits are those of a world without it") {
   const EffectSetups none;
   EffectBench without(none);
   CHECK(without.world.effects().find<Gravity>() != nullptr);

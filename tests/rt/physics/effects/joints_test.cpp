@@ -62,8 +62,8 @@ struct JointBench {
     for (long i = std::lround(seconds / settings.dt); i > 0; --i) step();
   }
   BodyMotion& motion(BodyId id) { return world->find(id)->motion; }
-  const Joints& room() const { return *world->effects().find<Joints>(); }
-  const JointState& state(std::size_t joint = 0) const { return room().states()[joint]; }
+  const Joints& effect() const { return *world->effects().find<Joints>(); }
+  const JointState& state(std::size_t joint = 0) const { return effect().states()[joint]; }
 };
 
 }  // namespace

@@ -97,7 +97,7 @@ export class Plots {
   restart(): void {
     this.ticks.restart();
     this.arm(this.trigger);
-    this.lastFault = NaN; // of another time: what is latched there is no news
+    this.lastFault = NaN; // of another time: a fault latched there is not reported
     this.lastOverrun = true;
   }
 
