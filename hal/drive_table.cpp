@@ -10,10 +10,10 @@ namespace {
 
 using text::Range;
 
-constexpr Range kTorque{"a torque", 1e-3, 1000}, kAngle{"an angle", 0.1, 1000}, kSpeed{"a speed", 0.1, 1000};
+constexpr Range kTorque{"a torque", 1e-3, 1000}, kAngle{"an angle", 0.1, 1000}, kMotorSpeed{"a speed", 0.1, 1000};
 constexpr Range kRatio{"a ratio", 1e-3, 1000}, kOffset{"an offset", -1000, 1000}, kSign{"a sign", -1, 1};
-constexpr Range kDamping{"a damping", 0, 1000}, kDampingRange{"a damping", 1e-6, 1000};
-constexpr Range kCounts{"a number of encoder counts", 1, 1e9};
+constexpr Range kMotorDamping{"a damping", 0, 1000}, kDampingRange{"a damping", 1e-6, 1000};
+constexpr Range kEncoderCounts{"a number of encoder counts", 1, 1e9};
 constexpr DriveFamily kFamilies[] = {DriveFamily::kDamiao,    DriveFamily::kCubeMars, DriveFamily::kMiniCheetah,
                                      DriveFamily::kRobStride, DriveFamily::kMoteus,   DriveFamily::kOdrive};
 
@@ -91,8 +91,8 @@ class DriveReader {
     axis.offset_rad = t.number("offset_rad", 0, kOffset);
     read_figure(t, "torque_range_Nm", axis.torque_range_Nm, kTorque);
     read_ranges(t, axis);
-    axis.damping_Nms_per_rad = t.number("damping_Nms_per_rad", 0, kDamping);
-    axis.brake_damping_Nms_per_rad = t.number("brake_damping_Nms_per_rad", 0, kDamping);
+    axis.damping_Nms_per_rad = t.number("damping_Nms_per_rad", 0, kMotorDamping);
+    axis.brake_damping_Nms_per_rad = t.number("brake_damping_Nms_per_rad", 0, kMotorDamping);
     t.finish();
     drives_.axes.push_back(axis);
   }
@@ -110,12 +110,12 @@ class DriveReader {
     }
     if (has_fields) {
       read_figure(t, "position_range_rad", axis.position_range_rad, kAngle);
-      read_figure(t, "speed_range_rad_per_s", axis.speed_range_rad_per_s, kSpeed);
+      read_figure(t, "speed_range_rad_per_s", axis.speed_range_rad_per_s, kMotorSpeed);
       t.refuse("counts_per_turn", "the quantum is that of the frame's field", "leave it out");
     } else {
       t.refuse("position_range_rad", leave, "leave it out");
       t.refuse("speed_range_rad_per_s", leave, "leave it out");
-      read_figure(t, "counts_per_turn", axis.counts_per_turn, kCounts);
+      read_figure(t, "counts_per_turn", axis.counts_per_turn, kEncoderCounts);
     }
     axis.damping_range_Nms_per_rad = t.number(
         "damping_range_Nms_per_rad", codec_of(drives_.family).default_damping_range_Nms_per_rad, kDampingRange);

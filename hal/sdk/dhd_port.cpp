@@ -9,7 +9,7 @@ namespace tactus::hal {
 namespace {
 
 // What the library answers.
-constexpr int kGood = 0, kTimeGuard = 1, kSaturated = 2;
+constexpr int kDhdGood = 0, kTimeGuard = 1, kSaturated = 2;
 // Indices of dhdGetStatus.
 constexpr unsigned kConnected = 1, kForceOn = 5, kStatusSize = 17;
 constexpr unsigned char kWatchdogSteps = 80;  // of 125 us: 10 ms
@@ -34,8 +34,8 @@ const Model* model_of(int type) noexcept {
 }
 
 // Axes of the device's frame in the library's: x right = its y, y away = -its x, z up.
-Vec3d from_library(const Vec3d& v) noexcept { return {v.y, -v.x, v.z}; }
-Vec3d to_library(const Vec3d& v) noexcept { return {-v.y, v.x, v.z}; }
+Vec3d from_dhd(const Vec3d& v) noexcept { return {v.y, -v.x, v.z}; }
+Vec3d to_dhd(const Vec3d& v) noexcept { return {-v.y, v.x, v.z}; }
 
 std::string text_of(const char* text, const char* none) { return text != nullptr ? text : none; }
 
@@ -68,11 +68,11 @@ Status DhdPort::open_device(std::optional<unsigned> serial) {
 
 std::string DhdPort::set_expert() {
   const char id = static_cast<char>(id_);
-  const bool expert = f_.dhdEnableExpertMode() == kGood;
+  const bool expert = f_.dhdEnableExpertMode() == kDhdGood;
   std::string missing;
   const auto look = [&missing](bool good, const char* words) { missing += good ? "" : words; };
-  look(f_.dhdSetTimeGuard(0, id) == kGood, "; its time guard could not be switched off: samples may be old");
-  has_watchdog_ = f_.dhdSetWatchdog != nullptr && f_.dhdSetWatchdog(kWatchdogSteps, id) == kGood;
+  look(f_.dhdSetTimeGuard(0, id) == kDhdGood, "; its time guard could not be switched off: samples may be old");
+  has_watchdog_ = f_.dhdSetWatchdog != nullptr && f_.dhdSetWatchdog(kWatchdogSteps, id) == kDhdGood;
   look(has_watchdog_, "; its watchdog could not be set to 10 ms: a program that is killed may leave the last force");
   if (!expert && !missing.empty()) missing += "; the library has no expert mode for it";
   return missing;
@@ -117,8 +117,8 @@ DhdPort::~DhdPort() {
 bool DhdPort::enable_forces(bool on) noexcept {
   const char id = static_cast<char>(id_);
   const int zeros = f_.dhdSetForceAndTorqueAndGripperForce(0, 0, 0, 0, 0, 0, 0, id);
-  forces_ = on && f_.dhdSetBrakes(0, id) != -1 && f_.dhdEnableForce(1, id) == kGood;
-  return on ? forces_ : f_.dhdStop(id) == kGood && zeros != -1;
+  forces_ = on && f_.dhdSetBrakes(0, id) != -1 && f_.dhdEnableForce(1, id) == kDhdGood;
+  return on ? forces_ : f_.dhdStop(id) == kDhdGood && zeros != -1;
 }
 
 std::string DhdPort::watchdog() const {
@@ -128,21 +128,21 @@ std::string DhdPort::watchdog() const {
 
 SdkResult DhdPort::exchange(const Wrenchd& wrench, SdkState& state) noexcept {
   const char id = static_cast<char>(id_);
-  const Vec3d force = to_library(wrench.force);
-  const Vec3d torque = properties_.has_rotation ? to_library(wrench.torque) : Vec3d{};
+  const Vec3d force = to_dhd(wrench.force);
+  const Vec3d torque = properties_.has_rotation ? to_dhd(wrench.torque) : Vec3d{};
   const int sent =
       f_.dhdSetForceAndTorqueAndGripperForce(force.x, force.y, force.z, torque.x, torque.y, torque.z, 0, id);
   Vec3d place;
   double matrix[3][3]{};
   const int got = f_.dhdGetPositionAndOrientationFrame(&place.x, &place.y, &place.z, matrix, id);
   int status[kStatusSize]{};
-  const bool told = f_.dhdGetStatus(status, id) == kGood;
+  const bool told = f_.dhdGetStatus(status, id) == kDhdGood;
   if (!told || status[kConnected] == 0) return SdkResult::kGone;
-  if (got == -1 || (sent != kGood && sent != kTimeGuard && sent != kSaturated)) return SdkResult::kError;
-  state.device_from_tool.position = from_library(place);
+  if (got == -1 || (sent != kDhdGood && sent != kTimeGuard && sent != kSaturated)) return SdkResult::kError;
+  state.device_from_tool.position = from_dhd(place);
   if (properties_.has_rotation) {
     const Quatd turn = quaternion_of(matrix);
-    const Vec3d axis = from_library({turn.x, turn.y, turn.z});
+    const Vec3d axis = from_dhd({turn.x, turn.y, turn.z});
     state.device_from_tool.rotation = {turn.w, axis.x, axis.y, axis.z};
   }
   state.buttons = f_.dhdGetButtonMask(id);

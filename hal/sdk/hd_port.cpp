@@ -37,7 +37,7 @@ enum Parameter : std::uint32_t {
 enum Capability : std::uint32_t { kForceOutput = 0x4000, kForceClamping = 0x4001 };
 enum Calibration : std::uint32_t { kCalibrated = 0x5000, kWantsUpdate = 0x5001 };
 enum Code : std::uint32_t {
-  kGood = 0,
+  kHdGood = 0,
   kInvalidValue = 0x0101,
   kWarmMotors = 0x0200,
   kForceBeyond = 0x0201,
@@ -79,8 +79,8 @@ std::uint32_t fault_of(std::uint32_t code) noexcept {
 
 bool is_gone(std::uint32_t fault) noexcept { return fault == kSdkDeviceFault || fault == kSdkConnectionLost; }
 
-Vec3d from_library(const Vec3d& v) noexcept { return {v.x, -v.z, v.y}; }
-Vec3d to_library(const Vec3d& v) noexcept { return {v.x, v.z, -v.y}; }
+Vec3d from_hd(const Vec3d& v) noexcept { return {v.x, -v.z, v.y}; }
+Vec3d to_hd(const Vec3d& v) noexcept { return {v.x, v.z, -v.y}; }
 
 // A name may be null, as that of a library that failed.
 std::string text_or(const char* text, const char* otherwise) {
@@ -119,7 +119,7 @@ Status HdPort::prepare(const std::string& name) {
   (void)take_error();
   handle_ = f_.hdInitDevice(name.empty() ? nullptr : name.c_str());
   const std::uint32_t code = take_error();
-  if (handle_ == kInvalidHandle || code != kGood) {
+  if (handle_ == kInvalidHandle || code != kHdGood) {
     open_ = handle_ != kInvalidHandle;
     return refused("the device cannot be opened; see that the maker's setup program finds it", code);
   }
@@ -164,7 +164,7 @@ Status HdPort::read_figures() {
   Box whole = box_of(kWholeWorkspace);
   if (!whole.makes_sense()) whole = usable;
   const std::uint32_t code = take_error();
-  if (code != kGood) return refused("the device's figures cannot be read", code);
+  if (code != kHdGood) return refused("the device's figures cannot be read", code);
   if (!(force_N >= 0.5 && force_N <= 60 && continuous_N >= 0 && continuous_N <= force_N) || !usable.makes_sense())
     return Status::error(
         fmt::format("openhaptics: the library's figures of the device make no sense ({} N, {} N for long, {} m wide); "
@@ -194,10 +194,10 @@ HdPort::~HdPort() {
 
 // The first that was raised since the last call: the cause of the others. The library gives the newest first.
 std::uint32_t HdPort::take_error() const noexcept {
-  std::uint32_t first = kGood;
+  std::uint32_t first = kHdGood;
   for (unsigned i = 0; i < kMostErrors; ++i) {
     const std::uint32_t code = f_.hdGetError().code;
-    if (code == kGood) break;
+    if (code == kHdGood) break;
     first = code;
   }
   return first;
@@ -209,7 +209,7 @@ bool HdPort::enable_forces(bool on) noexcept {
     f_.hdEnable(kForceOutput);
   else
     f_.hdDisable(kForceOutput);
-  const bool good = take_error() == kGood && (f_.hdIsEnabled(kForceOutput) != 0) == on;
+  const bool good = take_error() == kHdGood && (f_.hdIsEnabled(kForceOutput) != 0) == on;
   forces_ = on && good;
   return good;
 }
@@ -224,7 +224,7 @@ Status HdPort::start_calls(const SdkCall& call, std::int64_t period_ns) {
   period_s_ = 1e-9 * static_cast<double>(period_ns);
   const double rate_Hz = 1 / period_s_;
   f_.hdSetSchedulerRate(static_cast<unsigned long>(std::lround(rate_Hz)));
-  if (const std::uint32_t code = take_error(); code != kGood && code != kInvalidValue)
+  if (const std::uint32_t code = take_error(); code != kHdGood && code != kInvalidValue)
     return refused("the rate of the library's scheduler cannot be set", code);
   const auto on_call = [](void* port) {
     const SdkCall& call_of_port = static_cast<HdPort*>(port)->call_;
@@ -232,11 +232,11 @@ Status HdPort::start_calls(const SdkCall& call, std::int64_t period_ns) {
     return kGoOn;
   };
   scheduled_ = f_.hdScheduleAsynchronous(on_call, this, kFirst);
-  if (const std::uint32_t code = take_error(); code != kGood)
+  if (const std::uint32_t code = take_error(); code != kHdGood)
     return refused("the library's scheduler takes no function", code);
   running_ = true;
   f_.hdStartScheduler();
-  if (const std::uint32_t code = take_error(); code != kGood)
+  if (const std::uint32_t code = take_error(); code != kHdGood)
     return refused("the library's scheduler does not start", code);
   int told_Hz = 0;
   f_.hdGetIntegerv(kUpdateRate, &told_Hz);
@@ -279,22 +279,22 @@ bool HdPort::read_pose(SdkState& state) noexcept {
   const bool near = !placed_ || norm(place - last_) <= kJump_m_per_s * period_s_;
   placed_ = is_finite(place);
   last_ = place;
-  state.device_from_tool.position = from_library(place - centre_);
+  state.device_from_tool.position = from_hd(place - centre_);
   // The columns may have lost their right angles by rounding.
   const Vec3d first{m[0], m[1], m[2]}, second{m[4], m[5], m[6]};
   const Vec3d x = first * (1 / norm(first)), across = second - x * dot(x, second), y = across * (1 / norm(across));
   const Quatd turn = quat_from_axes(x, y, cross(x, y));
-  const Vec3d axis = from_library(turn.vec());
+  const Vec3d axis = from_hd(turn.vec());
   state.device_from_tool.rotation = {turn.w, axis.x, axis.y, axis.z};
   return near && is_finite(state.device_from_tool);
 }
 
 void HdPort::send(const Wrenchd& wrench) const noexcept {
-  const Vec3d force = to_library(wrench.force);
+  const Vec3d force = to_hd(wrench.force);
   const double force_N[3] = {force.x, force.y, force.z};
   f_.hdSetDoublev(kForce, force_N);
   if (!properties_.has_rotation) return;
-  const Vec3d torque = to_library(wrench.torque) * 1e3;
+  const Vec3d torque = to_hd(wrench.torque) * 1e3;
   const double torque_mNm[3] = {torque.x, torque.y, torque.z};
   f_.hdSetDoublev(kTorque, torque_mNm);
 }
@@ -312,7 +312,7 @@ SdkResult HdPort::exchange(const Wrenchd& wrench, SdkState& state) noexcept {
   if (forces_ && f_.hdIsEnabled(kForceOutput) == 0) state.fault = kSdkForcesOff;
   if (const std::uint32_t fault = fault_of(code); fault != 0) state.fault = fault;
   if (is_gone(state.fault)) return SdkResult::kGone;
-  const bool good = believed && code == kGood && state.fault != kSdkTimeWentBack;
+  const bool good = believed && code == kHdGood && state.fault != kSdkTimeWentBack;
   return good ? SdkResult::kFresh : SdkResult::kError;
 }
 

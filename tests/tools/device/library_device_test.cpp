@@ -1,5 +1,6 @@
 // A device through its maker's library as a user has it: `tactus hil` and `tactus doctor` on the stand-ins for the
 // libraries, whole and with faults of a library.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -45,11 +46,25 @@ HilRun run_hil(const std::string& device, const std::string& only, const std::st
   return {output.exit_code, nlohmann::json::parse(output.out), said};
 }
 
+bool lacks_samples(const nlohmann::json& report) {
+  const auto& checks = report["checks"];
+  return std::any_of(checks.begin(), checks.end(), [](const nlohmann::json& check) {
+    const std::string reason = check["reason"];
+    return reason.find("sends no samples, or few") != std::string::npos || reason.starts_with("samples are missing");
+  });
+}
+
 }  // namespace
 
 TEST_CASE("dhd, openhaptics: hil finds the stand-ins' states as they should be, and says what it cannot see") {
   const std::string device = GENERATE(kTouch, kOmega);
-  const HilRun result = run_hil(device, "identity,samples,round-trip,enable,brake,not-finite,watchdog", "");
+  HilRun result;
+  // Ten periods without a sample end the force; a machine that does not run the library's thread for so long causes
+  // them, too. A library that loses samples by itself does so every time.
+  for (int i = 0; i < 5; ++i) {
+    result = run_hil(device, "identity,samples,round-trip,enable,brake,not-finite,watchdog", "");
+    if (!lacks_samples(result.report)) break;
+  }
   CHECK(result.exit_code == 0);
   CHECK(result.report["checks"].size() == 7);
   for (const auto& check : result.report["checks"]) {
