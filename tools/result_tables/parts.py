@@ -100,9 +100,12 @@ def run_json(part, bench):
     command = [bench.program(part), *map(absolute, part.words[1:]), *workers, "--json"]
     done = subprocess.run(command, cwd=bench.folder, stdout=subprocess.PIPE, text=True, check=False)
     try:
-        return json.loads(done.stdout)
+        result = json.loads(done.stdout)
     except json.JSONDecodeError:
         raise Failed(f"{' '.join(part.words)}: ended with status {done.returncode} and without a JSON object") from None
+    if "error" in result:
+        raise Failed(f"{' '.join(part.words)}: {result['error']}")
+    return result
 
 
 def write(path, text):

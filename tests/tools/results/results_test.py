@@ -123,6 +123,14 @@ class Parts(unittest.TestCase):
         with self.assertRaisesRegex(parts.Failed, "tactus experiment scaling: ended with status 3"):
             self.measured([made])
 
+    def test_an_error_that_the_program_prints_is_a_failure_and_is_not_kept(self):
+        (self.build / "tools/tactus").write_text("#!/bin/sh\necho '{\"error\": \"no such scene\"}'\nexit 2\n", encoding="utf-8")
+        (self.build / "tools/tactus").chmod(0o755)
+        made = parts.Part("a", ("tactus", "experiment", "scaling"), 1, parts.run_json)
+        with self.assertRaisesRegex(parts.Failed, "tactus experiment scaling: no such scene"):
+            self.measured([made])
+        self.assertFalse((parts.KEPT / "t/a.json").exists())
+
 
 def done(name, data, revision=""):
     return parts.Done(parts.Part(name, ("tactus", name), 1, None, revision), data, "2026-11-28")
