@@ -9,7 +9,7 @@
 #include "hal/loopback_link.h"
 #include "hal/simulated_device.h"
 #include "rt/haptics/input_guard.h"
-#include "tests/hal/drive_arms.h"
+#include "tests/hal/drives/drive_arms.h"
 #include "tests/support/rt_guard.h"
 #include "tests/support/skip.h"
 

@@ -4,27 +4,27 @@
 #include <pthread.h>
 #include <sys/resource.h>
 
-#include <cerrno>
-#include <cstddef>
 #include <cstdlib>
 
-#include "rt/base/sanitizer.h"
-
-#define TACTUS_INTERPOSE (!TACTUS_ADDRESS_SANITIZER && !TACTUS_THREAD_SANITIZER)
+#include "tools/experiment/malloc_count/malloc_count.h"
 
 namespace {
 
 // Constant-initialised and without destructor, so that counting itself can neither allocate nor lock.
-thread_local constinit tactus::test::RtCounters t_counters;
+thread_local constinit std::uint64_t t_locks = 0;
 
 }  // namespace
 
 namespace tactus::test {
 
-bool RtGuard::available() noexcept { return TACTUS_INTERPOSE != 0; }
+bool RtGuard::available() noexcept { return TACTUS_COUNTS_ALLOCATIONS != 0; }
 
 RtCounters RtGuard::now() noexcept {
-  RtCounters counters = t_counters;
+  RtCounters counters{.locks = t_locks};
+#if TACTUS_COUNTS_ALLOCATIONS
+  counters.allocations = tactus_thread_allocations();
+  counters.frees = tactus_thread_frees();
+#endif
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
   counters.minor_faults = static_cast<std::uint64_t>(usage.ru_minflt);
@@ -34,49 +34,7 @@ RtCounters RtGuard::now() noexcept {
 
 }  // namespace tactus::test
 
-#if TACTUS_INTERPOSE
-
-// The C library keeps its allocator under these names too: no look-up, so no recursion when the look-up allocates.
-extern "C" {
-void* __libc_malloc(std::size_t);
-void* __libc_calloc(std::size_t, std::size_t);
-void* __libc_realloc(void*, std::size_t);
-void* __libc_memalign(std::size_t, std::size_t);
-void __libc_free(void*);
-
-void* malloc(std::size_t size) {
-  ++t_counters.allocations;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  ++t_counters.allocations;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* block, std::size_t size) {
-  ++t_counters.allocations;
-  if (block != nullptr) ++t_counters.frees;
-  return __libc_realloc(block, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) {
-  ++t_counters.allocations;
-  return __libc_memalign(alignment, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++t_counters.allocations;
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
-  ++t_counters.allocations;
-  void* got = __libc_memalign(alignment, size);
-  if (got == nullptr) return ENOMEM;
-  *block = got;
-  return 0;
-}
-void free(void* block) {
-  if (block != nullptr) ++t_counters.frees;
-  __libc_free(block);
-}
-}
+#if TACTUS_COUNTS_ALLOCATIONS
 
 namespace {
 
@@ -96,7 +54,7 @@ struct Next {
       if (function == nullptr) std::abort();
       __atomic_store_n(&found, function, __ATOMIC_RELAXED);
     }
-    ++t_counters.locks;
+    ++t_locks;
     return reinterpret_cast<Function*>(function);
   }
 };

@@ -1,27 +1,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tools/experiment/csv.h"
 #include "tools/experiment/scaling.h"
 #include "tools/json_report.h"
+#include "tools/plot/svg.h"
 
 namespace tactus::experiment {
 namespace {
 
 using nlohmann::ordered_json;
-
-struct LogAxis {  // decades from the least to the most, on the page from `start` to `end`
-  double low, high, start, end;
-
-  static LogAxis over(double least, double most, double start, double end) {
-    const double low = std::floor(std::log10(least)), high = std::ceil(std::log10(most));
-    return {low, high > low ? high : low + 1, start, end};
-  }
-  double at(double value) const { return start + (std::log10(value) - low) / (high - low) * (end - start); }
-};
 
 ordered_json json_of(const std::vector<ScalingRow>& rows) {
   ordered_json list = ordered_json::array();
@@ -91,7 +81,7 @@ std::string scaling_json(const ScalingReport& report) {
 std::string scaling_csv(const ScalingReport& report) { return csv_of(kScalingColumns, json_of(report.rows)); }
 
 std::string scaling_svg(const ScalingReport& report) {
-  constexpr double kWidth = 640, kHeight = 420, kLeft = 70, kRight = 20, kTop = 30, kBottom = 50;
+  constexpr plot::Size kSize{640, 420};
   std::vector<const ScalingRow*> rows;
   double few = 1e300, many = 0, fast = 1e300, slow = 0;
   for (const ScalingRow& row : report.rows) {
@@ -102,38 +92,21 @@ std::string scaling_svg(const ScalingReport& report) {
     fast = std::min(fast, row.median_us);
     slow = std::max(slow, row.median_us);
   }
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" font-family=\"sans-serif\" "
-      "font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
-      kWidth, kHeight);
-  if (rows.empty()) return svg + "</svg>\n";
-  const LogAxis x = LogAxis::over(few, many, kLeft, kWidth - kRight),
-                y = LogAxis::over(fast, slow, kHeight - kBottom, kTop);
-  const auto line = [&](double x1, double y1, double x2, double y2, const char* colour) {
-    svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>\n", x1, y1, x2,
-                       y2, colour);
-  };
-  const auto label = [&](double at_x, double at_y, const char* anchor, const std::string& words) {
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", at_x, at_y, anchor, words);
-  };
-  for (double d = x.low; d <= x.high; ++d) {
-    const double at = x.at(std::pow(10, d));
-    line(at, y.start, at, y.end, "#dddddd");
-    label(at, y.start + 18, "middle", fmt::format("{:g}", std::pow(10, d)));
-  }
-  for (double d = y.low; d <= y.high; ++d) {
-    const double at = y.at(std::pow(10, d));
-    line(x.start, at, x.end, at, "#dddddd");
-    label(x.start - 8, at + 4, "end", fmt::format("{:g}", std::pow(10, d)));
-  }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double at_x = x.at(rows[i]->contact_points), at_y = y.at(rows[i]->median_us);
-    if (i > 0) line(x.at(rows[i - 1]->contact_points), y.at(rows[i - 1]->median_us), at_x, at_y, "#1f5fa8");
-    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\" fill=\"#1f5fa8\"/>\n", at_x, at_y);
-  }
-  label(0.5 * (x.start + x.end), kHeight - 12, "middle", "contact points");
-  label(x.start, kTop - 10, "start", fmt::format("median step [us]; grows to the power {:.2f}", report.exponent));
-  return svg + "</svg>\n";
+  if (rows.empty()) return plot::Drawing().svg("No step of the sweep of bodies was timed.", kSize);
+  const std::string answer =
+      fmt::format("The cost of a step grows with contact points to the power {:.2f}.", report.exponent);
+  plot::Drawing drawing;
+  drawing.text("answer", {8, 20}, plot::Anchor::kStart, answer);
+  plot::LogAxis x{.start = 70, .end = kSize.width - 30, .label = "contact points [1]", .threes = true},
+      y{.start = kSize.height - 50, .end = 60, .label = "median of a step [\u00b5s]", .threes = true};
+  x.hold(few, many);
+  y.hold(fast, slow);
+  drawing.axes(x, y);
+  std::vector<plot::Point> points;
+  for (const ScalingRow* row : rows) points.push_back({x.at(row->contact_points), y.at(row->median_us)});
+  drawing.curve(0, "median of a step", points);
+  for (const plot::Point& point : points) drawing.mark(0, point);
+  return drawing.svg(answer, kSize);
 }
 
 }  // namespace tactus::experiment

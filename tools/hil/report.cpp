@@ -5,35 +5,13 @@
 
 #include "tools/hil/suite.h"
 #include "tools/json_report.h"
+#include "tools/xml_text.h"
 
 namespace tactus::hil {
 namespace {
 
 const char* word(Verdict verdict) {
   return verdict == Verdict::kGood ? "good" : verdict == Verdict::kBad ? "bad" : "skipped";
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += static_cast<unsigned char>(c) < 32 ? ' ' : c;
-    }
-  }
-  return out;
 }
 
 std::string totals(const SuiteReport& report) {
@@ -104,21 +82,21 @@ std::string to_junit(const SuiteReport& report) {
   for (const CheckReport& one : report.checks) all_s += one.took_s;
   std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   xml += fmt::format("<testsuite name=\"tactus hil {}\" tests=\"{}\" failures=\"{}\" skipped=\"{}\" time=\"{:.3f}\">\n",
-                     escaped(report.device), report.checks.size(), report.count(Verdict::kBad),
+                     xml_text(report.device), report.checks.size(), report.count(Verdict::kBad),
                      report.count(Verdict::kSkipped), all_s);
   for (const CheckReport& one : report.checks) {
     const Finding& finding = one.finding;
-    xml += fmt::format("  <testcase classname=\"hil\" name=\"{}\" time=\"{:.3f}\">\n", escaped(one.check->name),
+    xml += fmt::format("  <testcase classname=\"hil\" name=\"{}\" time=\"{:.3f}\">\n", xml_text(one.check->name),
                        one.took_s);
     if (finding.verdict == Verdict::kBad)
-      xml += fmt::format("    <failure message=\"{}\">held against: {}</failure>\n", escaped(finding.reason),
-                         escaped(finding.threshold));
+      xml += fmt::format("    <failure message=\"{}\">held against: {}</failure>\n", xml_text(finding.reason),
+                         xml_text(finding.threshold));
     if (finding.verdict == Verdict::kSkipped)
-      xml += fmt::format("    <skipped message=\"{}\"/>\n", escaped(finding.reason));
+      xml += fmt::format("    <skipped message=\"{}\"/>\n", xml_text(finding.reason));
     const char* const before_unseen = finding.measured.empty() || finding.unseen.empty() ? "" : "; ";
     const std::string unseen = finding.unseen.empty() ? "" : before_unseen + ("not checked: " + finding.unseen);
     if (!finding.measured.empty() || !unseen.empty())
-      xml += fmt::format("    <system-out>{}{}</system-out>\n", escaped(finding.measured), escaped(unseen));
+      xml += fmt::format("    <system-out>{}{}</system-out>\n", xml_text(finding.measured), xml_text(unseen));
     xml += "  </testcase>\n";
   }
   return xml + "</testsuite>\n";

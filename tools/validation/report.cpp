@@ -1,10 +1,12 @@
 #include "tools/validation/report.h"
-#include "tools/json_report.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+
+#include "tools/json_report.h"
+#include "tools/plot/svg.h"
 
 namespace tactus::hard_cases {
 namespace {
@@ -138,35 +140,29 @@ std::string report_csv(const Report& report) {
 std::string report_svg(const Report& report) {
   const auto settings = settings_in(report);
   const auto cases = cases_in(report);
-  constexpr double kCell = 112, kLine = 20, kLeft = 330, kTop = 40, kFoot = 30;
-  const double width = kLeft + kCell * static_cast<double>(settings.size()) + 10,
-               height = kTop + kLine * static_cast<double>(cases.size()) + kFoot;
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" font-family=\"sans-serif\" "
-      "font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
-      width, height);
-  const auto label = [&](double x, double y, const char* anchor, const std::string& words) {
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor, words);
-  };
+  constexpr plot::Size kCell{112, 20};
+  constexpr double kLeft = 400, kTop = 40;
+  plot::Drawing drawing;
+  const auto x_of = [&](std::size_t column) { return kLeft + kCell.width * static_cast<double>(column); };
+  const auto y_of = [&](std::size_t row) { return kTop + kCell.height * static_cast<double>(row); };
   for (std::size_t k = 0; k < settings.size(); ++k)
-    label(kLeft + kCell * (static_cast<double>(k) + 0.5), kTop - 12, "middle", heading(settings[k]));
+    drawing.text("column", {x_of(k) + 0.5 * kCell.width, kTop - 12}, plot::Anchor::kMiddle, heading(settings[k]));
   for (std::size_t j = 0; j < cases.size(); ++j) {
-    const double y = kTop + kLine * static_cast<double>(j);
-    label(kLeft - 8, y + 14, "end", fmt::format("{} {}", cases[j]->number, cases[j]->name));
+    const double y = y_of(j);
+    drawing.text("row", {kLeft - 8, y + 14}, plot::Anchor::kEnd,
+                 fmt::format("{} {}", cases[j]->number, cases[j]->name));
     for (std::size_t k = 0; k < settings.size(); ++k) {
       const Row* row = row_at(report, cases[j], settings[k]);
       // From red over yellow to green; grey: only in 1 ms.
-      const double score = row != nullptr ? row->outcome.score() : 0;
-      const std::string colour = row != nullptr ? fmt::format("hsl({:.0f},60%,70%)", 120 * score) : "#e5e5e5";
-      const double x = kLeft + kCell * static_cast<double>(k);
-      svg += fmt::format(
-          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\" stroke=\"white\"/>\n", x, y,
-          kCell, kLine, colour);
-      label(x + 0.5 * kCell, y + 14, "middle", cell(row));
+      drawing.box({x_of(k), y}, kCell,
+                  row != nullptr ? fmt::format("hsl({:.0f},60%,70%)", 120 * row->outcome.score()) : "#e5e5e5");
+      drawing.text("boxed", {x_of(k) + 0.5 * kCell.width, y + 14}, plot::Anchor::kMiddle, cell(row));
     }
   }
-  label(kLeft, height - 10, "start", kLegend);
-  return svg + "</svg>\n";
+  const double width = x_of(settings.size()) + 10;
+  const double bottom =
+      drawing.paragraph("made", {8, y_of(cases.size()) + 20}, kLegend, static_cast<std::size_t>(width / 7));
+  return drawing.svg("Scores of the hard cases", {width, bottom});
 }
 
 }  // namespace tactus::hard_cases

@@ -230,5 +230,10 @@ TEST_CASE("The scaling report has a row for each case, units in its header and a
   CHECK(csv.find("median [us]") != std::string::npos);
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 3);
   CHECK(nlohmann::json::parse(scaling_json(report)).at("rows").size() == 2);
-  CHECK(scaling_svg(report).find("<circle") != std::string::npos);
+  const std::string svg = scaling_svg(report);
+  CHECK_THAT(svg,
+             Catch::Contains("<polyline") && Catch::Contains("contact points [1]") && Catch::Contains("[\u00b5s]"));
+  std::size_t marks = 0;
+  for (std::size_t at = 0; (at = svg.find("<circle", at)) != std::string::npos; ++at) ++marks;
+  CHECK(marks == 2);
 }

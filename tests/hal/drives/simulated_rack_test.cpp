@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/hal/drive_arms.h"
+#include "tests/hal/drives/drive_arms.h"
 
 using namespace tactus;
 using namespace tactus::hal;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hal/drives/drive_arm.h"
-#include "tests/hal/drive_arms.h"
+#include "tests/hal/drives/drive_arms.h"
 
 namespace tactus::test {
 

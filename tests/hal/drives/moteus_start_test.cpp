@@ -1,7 +1,7 @@
 // A moteus on its way from stopped to position mode: because it restarted, because another program stopped it, or
 // because force is wanted.
 #include "hal/drives/drive_faults.h"
-#include "tests/hal/drive_bench.h"
+#include "tests/hal/drives/drive_bench.h"
 
 using namespace tactus;
 using namespace tactus::hal;

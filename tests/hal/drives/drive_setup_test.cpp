@@ -2,7 +2,7 @@
 #include "hal/drives/drive_setup.h"
 
 #include "hal/drives/drive_faults.h"
-#include "tests/hal/drive_arms.h"
+#include "tests/hal/drives/drive_arms.h"
 
 using namespace tactus;
 using namespace tactus::hal;

@@ -1,4 +1,4 @@
-#include "tests/hal/usb/fake_libusb.h"
+#include "tests/hal/usb/fake_libusb/fake_libusb.h"
 
 #include <libusb.h>
 

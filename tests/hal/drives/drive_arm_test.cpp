@@ -9,7 +9,7 @@
 #include "firmware/faults.h"
 #include "hal/drives/drive_damping.h"
 #include "hal/drives/drive_faults.h"
-#include "tests/hal/drive_bench.h"
+#include "tests/hal/drives/drive_bench.h"
 
 using namespace tactus;
 using namespace tactus::hal;

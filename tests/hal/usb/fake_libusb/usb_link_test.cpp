@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "tests/hal/usb/fake_libusb.h"
+#include "tests/hal/usb/fake_libusb/fake_libusb.h"
 
 using namespace tactus;
 using namespace tactus::hal;

@@ -4,7 +4,7 @@
 #include "hal/device_class.h"
 #include "hal/falcon/falcon_usb.h"
 #include "hal/usb/usb_port.h"
-#include "tests/hal/usb/fake_libusb.h"
+#include "tests/hal/usb/fake_libusb/fake_libusb.h"
 
 using namespace tactus;
 using namespace tactus::hal;
