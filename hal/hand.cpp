@@ -104,11 +104,11 @@ HandModel::Segment HandModel::Segment::between(const Posed& from, const Posed& t
 HandTarget HandModel::Segment::at(double time_s) const noexcept {
   const double u = std::min((time_s - start_s) / duration_s, 1.0);
   switch (motion) {
-    case HandMotion::kLinear:
+    case haptics::HandMotion::kLinear:
       return linear_at(u);
-    case HandMotion::kCubic:
+    case haptics::HandMotion::kCubic:
       return cubic_at(u);
-    case HandMotion::kSmoothStep:
+    case haptics::HandMotion::kSmoothStep:
       break;
   }
   return smooth_at(u);

@@ -111,10 +111,10 @@ Vec3d Plant::advance(const Line& l, const Vec3d& speed) noexcept {
   // The rest of the momentum change is the friction impulse, sticking or slipping.
   const Vec3d friction_impulse = (next - speed) * l.mass - (l.motor + hand_force + viscous_force) * l.h;
   const Vec3d mean_speed = (speed + next) * 0.5;
-  energy_.motors += l.h * dot(l.motor, mean_speed);
-  energy_.hand += l.h * dot(hand_force, mean_speed);
-  energy_.viscous += l.h * dot(viscous_force, mean_speed);
-  energy_.coulomb += dot(friction_impulse, mean_speed);
+  work_.motors += l.h * dot(l.motor, mean_speed);
+  work_.hand += l.h * dot(hand_force, mean_speed);
+  work_.viscous += l.h * dot(viscous_force, mean_speed);
+  work_.coulomb += dot(friction_impulse, mean_speed);
   *l.hand_force = hand_force;
   return next;
 }
@@ -123,7 +123,7 @@ void Plant::hit_stops() noexcept {
   const double before = kinetic_energy_J();
   hit_sphere();
   if (std::abs(coordinates_[kPitchAxis]) > kPitchLimit_rad) hit_pitch_stop();
-  energy_.stops += kinetic_energy_J() - before;
+  work_.stops += kinetic_energy_J() - before;
 }
 
 void Plant::hit_sphere() noexcept {

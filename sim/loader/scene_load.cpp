@@ -121,7 +121,7 @@ class SceneReader {
     return tables;
   }
 
-  DevicePlacement& device_of(unsigned hand) { return hand == 0 ? scene_.device : scene_.more_hands[hand - 1].device; }
+  SceneDevice& device_of(unsigned hand) { return hand == 0 ? scene_.device : scene_.more_hands[hand - 1].device; }
   haptics::CouplingGains& coupling_of(unsigned hand) {
     return hand == 0 ? scene_.coupling : scene_.more_hands[hand - 1].coupling;
   }
@@ -130,7 +130,7 @@ class SceneReader {
     const auto tables = tables_of_hands("device", true);
     for (unsigned hand = 0; hand < tables.size(); ++hand) {
       text::TableReader t(tables[hand], "[device]", diagnostics_);
-      DevicePlacement& device = device_of(hand);
+      SceneDevice& device = device_of(hand);
       device.profile = t.word("profile", device.profile, {"virtuose6d", "desk3d"});
       device.world_from_device = t.pose();
       device.motion_scale = t.number("motion_scale", device.motion_scale, {"a scale", 0.01, 100});

@@ -35,9 +35,9 @@ constexpr Check kChecks[] = {
 
 std::span<const Check> all_checks() noexcept { return kChecks; }
 
-Finding bad(std::string reason, std::string threshold) {
-  return {Verdict::kBad, {}, std::move(threshold), std::move(reason), {}};
+CheckFinding bad(std::string reason, std::string threshold) {
+  return {CheckVerdict::kBad, {}, std::move(threshold), std::move(reason), {}};
 }
-Finding skipped(std::string reason) { return {Verdict::kSkipped, {}, {}, std::move(reason), {}}; }
+CheckFinding skipped(std::string reason) { return {CheckVerdict::kSkipped, {}, {}, std::move(reason), {}}; }
 
 }  // namespace tactus::hil

@@ -65,7 +65,7 @@ bool are_still_apart(const PairView& pair, const RelativeHulls& ab, Manifold& ma
     report_apart(pair, gap, pair.apart, manifold);
     return true;
   }
-  const HullGap gap = gap_of(ab, pair.margin);
+  const HullSeparation gap = gap_of(ab, pair.margin);
   if (!gap.apart) return false;
   const AxisCache a = face_of_a(ab.ref.face_along(gap.along)),
                   b = face_of_b(ab.other.face_along(ab.to_other(-gap.along)));

@@ -31,7 +31,7 @@ std::vector<unsigned> ratios_of(const StudyRequest& request) {
 struct RowSums {
   ForceError hold, moving;
   double worst{0};
-  EnergyBalance energy;
+  EnergyDeviation energy;
   std::vector<double> steps, vibration, encoder_vibration;
   std::vector<double> spectrum;
   std::size_t spectra{0};
@@ -120,7 +120,7 @@ class SceneStudy {
   std::vector<HandInLoop> loops_;
   StudyScene account_;
   ForceError apart_;
-  EnergyBalance apart_energy_;
+  EnergyDeviation apart_energy_;
   double touching_{0}, ticks_{0}, force_squared_{0};
 };
 
