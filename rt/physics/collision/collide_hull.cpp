@@ -49,7 +49,7 @@ double face_separation(const RelativeHulls& ab, const AxisCache& face) noexcept 
   if (face.axis == kHullFaceA && face.a < ab.ref.topology->faces) return ab.face_separation(face.a);
   if (face.axis != kHullFaceB || face.b >= ab.other.topology->faces) return -std::numeric_limits<double>::infinity();
   const Vec3d n = ab.to_ref(ab.other.normal(face.b));
-  return -dot(n, ab.centre) - ab.ref.reach_along(-n) - ab.other.offsets[face.b];
+  return -dot(n, ab.centre) - ab.ref.support_along(-n) - ab.other.offsets[face.b];
 }
 
 void report_apart(const PairView& pair, double gap, AxisCache face, Manifold& manifold) noexcept {
