@@ -96,9 +96,12 @@ HandTarget HandModel::returning_from(const Posed& from, double time_s) const noe
 
 HandModel::Segment HandModel::Segment::between(const Posed& from, const Posed& to, double start_s,
                                                double duration_s) noexcept {
-  return {start_s,       duration_s,
-          from.position, to.position - from.position,
-          from.rotation, rotation_vector_of(to.rotation * conjugate(from.rotation))};
+  return {.start_s = start_s,
+          .duration_s = duration_s,
+          .position = from.position,
+          .move = to.position - from.position,
+          .rotation = from.rotation,
+          .turn = rotation_vector_of(to.rotation * conjugate(from.rotation))};
 }
 
 HandTarget HandModel::Segment::at(double time_s) const noexcept {

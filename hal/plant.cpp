@@ -40,13 +40,23 @@ void Plant::set_motor_wrench(const AxisVector& motor_effort, bool shorted) noexc
 Plant::Line Plant::translation(double h_s, bool shorted) noexcept {
   const PlantParameters& p = parameters_;
   const double damping = p.damping_Ns_per_m + (shorted ? p.brake_damping_Ns_per_m : 0.0);
-  return {h_s, mass_kg_, damping, p.coulomb_force_N, motor_wrench_.force, &hand_wrench_.force};
+  return {.h = h_s,
+          .mass = mass_kg_,
+          .damping = damping,
+          .friction = p.coulomb_force_N,
+          .motor = motor_wrench_.force,
+          .hand_force = &hand_wrench_.force};
 }
 
 Plant::Line Plant::rotation(double h_s, bool shorted) noexcept {
   const PlantParameters& p = parameters_;
   const double damping = p.damping_Nms_per_rad + (shorted ? p.brake_damping_Nms_per_rad : 0.0);
-  return {h_s, inertia_kg_m2_, damping, p.coulomb_torque_Nm, motor_wrench_.torque, &hand_wrench_.torque};
+  return {.h = h_s,
+          .mass = inertia_kg_m2_,
+          .damping = damping,
+          .friction = p.coulomb_torque_Nm,
+          .motor = motor_wrench_.torque,
+          .hand_force = &hand_wrench_.torque};
 }
 
 void Plant::step(double h_s, const AxisVector& motor_effort, bool shorted, const HandTarget& target) noexcept {

@@ -274,8 +274,9 @@ Result<Scene> parse(std::string_view text, std::string_view name, const std::opt
     kept = reader.kept_files();
   }
   if (text.size() + kept.size() > kMaxSceneBytes && found.ok())  // a tape with a longer source could not be read
-    found.add({0, 0, "the file", fmt::format("{} bytes with what its files hold", text.size() + kept.size()),
-               fmt::format("at most {} bytes: fewer rows, corners or triangles", kMaxSceneBytes)});
+    found.add({.where = "the file",
+               .what = fmt::format("{} bytes with what its files hold", text.size() + kept.size()),
+               .accepted = fmt::format("at most {} bytes: fewer rows, corners or triangles", kMaxSceneBytes)});
   if (found.ok()) scene.source = std::string(text) + kept;
   return finish(std::move(scene), std::move(found), diagnostics);
 }
@@ -291,7 +292,9 @@ Result<Scene> load_scene(const std::filesystem::path& path, text::Diagnostics* d
     return parse(*text, path.string(), path.parent_path(), diagnostics);
   text::Diagnostics found;
   found.name = path.string();
-  found.add({0, 0, "the file", "cannot be read", "the path of a scene file, such as sim/scenes/card_house.toml"});
+  found.add({.where = "the file",
+             .what = "cannot be read",
+             .accepted = "the path of a scene file, such as sim/scenes/card_house.toml"});
   return finish({}, std::move(found), diagnostics);
 }
 

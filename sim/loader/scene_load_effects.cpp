@@ -83,14 +83,21 @@ void EffectReader::read_list(text::TableReader& root) {
     const EffectInfo* found = item.kind == text::TomlKind::kText ? find_effect(item.text) : nullptr;
     if (found == nullptr) {
       const auto nearest = text::nearest_word(item.text, words);
-      diagnostics_.add({item.line, item.column, "effects",
-                        fmt::format("{} is not an effect{}", item.shown(),
-                                    nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
-                        effect_words()});
+      diagnostics_.add({.line = item.line,
+                        .column = item.column,
+                        .where = "effects",
+                        .what = fmt::format("{} is not an effect{}", item.shown(),
+                                            nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
+                        .accepted = effect_words()});
       continue;
     }
     bool& flag = scene_.effects.*found->declared;
-    if (flag) diagnostics_.add({item.line, item.column, "effects", item.shown() + " is there twice", "once"});
+    if (flag)
+      diagnostics_.add({.line = item.line,
+                        .column = item.column,
+                        .where = "effects",
+                        .what = item.shown() + " is there twice",
+                        .accepted = "once"});
     flag = true;
   }
 }

@@ -71,8 +71,10 @@ BodyCounts count_bodies(const Scene& scene) {
 std::vector<EffectReport> report_effects(const Scene& scene) {
   std::vector<EffectReport> reports;
   for (const auto& effect : known_effects())
-    reports.push_back(
-        {std::string(effect.name), scene.effects.*effect.declared, is_in_use(scene, effect), std::string(effect.cost)});
+    reports.push_back({.name = std::string(effect.name),
+                       .declared = scene.effects.*effect.declared,
+                       .used = is_in_use(scene, effect),
+                       .cost = std::string(effect.cost)});
   return reports;
 }
 

@@ -176,6 +176,7 @@ const std::vector<Named>& named_scenes() {
                                    .smallest_edge_m = 0.05,
                                    .largest_edge_m = 0.2,
                                    .forms = {Form::kSphere, Form::kCapsule, Form::kPlate, Form::kHull}};
+  // Name, pile, timed steps, on terrain.
   static const std::vector<Named> scenes{
       {"pile64", {.cubes = 64, .step_s = 1e-3}, 2000},
       {"pile64-stirred", {.cubes = 64, .step_s = 1e-3, .stirred = true}, 2000},

@@ -75,7 +75,10 @@ Bench::Bench(hal::AnyLink& link, const hal::DeviceProfile& profile, Provoker& pr
       provoker_(provoker),
       options_(options),
       settings_(settings_of(options)),
-      conversation_{hal::FrameCodec(profile.kinematics, profile.quantum, profile.properties.has_rotation), 0, {}, {}} {}
+      conversation_{.codec = hal::FrameCodec(profile.kinematics, profile.quantum, profile.properties.has_rotation),
+                    .command_sequence = 0,
+                    .state = {},
+                    .sample = {}} {}
 
 std::uint64_t Bench::ticks(double seconds) const noexcept {
   return static_cast<std::uint64_t>(std::llround(seconds * options_.rate_Hz));

@@ -5,6 +5,7 @@
 namespace tactus::hil {
 namespace {
 
+// Name, what, needs, function.
 constexpr Check kChecks[] = {
     {"identity", "protocol, firmware and class are what the description says", kNothing, check_identity},
     {"registers", "every register is readable and in its range; wrong questions are refused", kNothing,

@@ -21,6 +21,7 @@ constexpr double kQuiet_s = 2, kPush_s = 0.3;
 constexpr double kMinFresh = 0.999;  // share of the periods at rest
 constexpr unsigned kLongestGap = 2, kBrakePeriods = 12, kSilence = 30;
 
+// Name, what, needs; without a function: run_one knows them by name.
 constexpr Check kDeviceChecks[] = {
     {"identity", "the device that was opened", kNothing, nullptr},
     {"samples", "at rest: share of the periods with a new sample, longest gap", kNothing, nullptr},
@@ -34,11 +35,11 @@ constexpr Check kDeviceChecks[] = {
 };
 
 CheckFinding judged(bool good, std::string measured, std::string threshold, std::string reason) {
-  return {good ? CheckVerdict::kGood : CheckVerdict::kBad,
-          std::move(measured),
-          std::move(threshold),
-          good ? std::string() : std::move(reason),
-          {}};
+  return {.verdict = good ? CheckVerdict::kGood : CheckVerdict::kBad,
+          .measured = std::move(measured),
+          .threshold = std::move(threshold),
+          .reason = good ? std::string() : std::move(reason),
+          .figures = {}};
 }
 
 std::string state_line(const haptics::DeviceSample& sample) {

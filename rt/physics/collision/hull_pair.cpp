@@ -134,7 +134,11 @@ EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t e, std::uint32_t ot
   if (!(length_squared > kParallelSineSquared * norm_squared(along) * norm_squared(other_along))) return {};
   // The origin is inside ref, so the outward direction is the one towards the edge's vertices.
   const Vec3d n = w * ((dot(w, from) < 0.0 ? -1.0 : 1.0) / std::sqrt(length_squared));
-  return {true, e, other_e, n, dot(n, hulls.centre + hulls.to_ref(other_from) - from)};
+  return {.found = true,
+          .edge = e,
+          .other_edge = other_e,
+          .normal = n,
+          .separation = dot(n, hulls.centre + hulls.to_ref(other_from) - from)};
 }
 
 // Two edges make a face of the Minkowski difference if and only if their arcs on the Gauss sphere cross (Gregorius

@@ -98,20 +98,20 @@ struct HullView {
 
 inline HullView view_of(const Hull& hull) noexcept {
   constexpr std::uint32_t lanes = kLanes<Register<double>>;
-  return {&hull.topology,
-          hull.x.data(),
-          hull.y.data(),
-          hull.z.data(),
-          hull.nx.data(),
-          hull.ny.data(),
-          hull.nz.data(),
-          hull.offsets.data(),
-          (hull.topology.vertices + lanes - 1) / lanes * lanes,
-          (hull.topology.faces + lanes - 1) / lanes * lanes,
-          hull.edge_secant.data(),
-          hull.largest_secant,
-          hull.inner_radius,
-          hull.flatness};
+  return {.topology = &hull.topology,
+          .x = hull.x.data(),
+          .y = hull.y.data(),
+          .z = hull.z.data(),
+          .nx = hull.nx.data(),
+          .ny = hull.ny.data(),
+          .nz = hull.nz.data(),
+          .offsets = hull.offsets.data(),
+          .padded = (hull.topology.vertices + lanes - 1) / lanes * lanes,
+          .padded_faces = (hull.topology.faces + lanes - 1) / lanes * lanes,
+          .edge_secant = hull.edge_secant.data(),
+          .largest_secant = hull.largest_secant,
+          .inner_radius = hull.inner_radius,
+          .flatness = hull.flatness};
 }
 
 // The smallest and the largest d.v over the vertices.

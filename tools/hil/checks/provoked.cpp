@@ -91,8 +91,10 @@ std::uint64_t ticks_to_notice(std::span<const Record> records, std::size_t first
 CheckFinding away(Bench& bench, const char* fault) {
   CheckFinding finding;
   finding.threshold = "noticed, no force when it is back, FORCE again after a re-arm";
-  const Provocation what{fault, [](const Record& r) { return r.got == Got::kDisconnected; },
-                         [](const Record& r) { return r.got == Got::kFresh; }, State::kIdle};
+  const Provocation what{.fault = fault,
+                         .sign = [](const Record& r) { return r.got == Got::kDisconnected; },
+                         .gone = [](const Record& r) { return r.got == Got::kFresh; },
+                         .wanted_after = State::kIdle};
   auto provoked = provoke(bench, what);
   if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
   if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
@@ -125,7 +127,7 @@ CheckFinding check_emergency_stop(Bench& bench) {
   const auto released = [&](const Record& r) { return r.got == Got::kFresh && !pressed(r); };
   CheckFinding finding;
   finding.threshold = fmt::format("BRAKE within {} frames, fault 2, latched", kMaxFrames);
-  auto provoked = provoke(bench, {"estop", pressed, released, State::kForce});
+  auto provoked = provoke(bench, {.fault = "estop", .sign = pressed, .gone = released, .wanted_after = State::kForce});
   if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
   if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
   if (!provoked.value().first_sign)
@@ -155,7 +157,7 @@ CheckFinding check_broken_states(Bench& bench) {
   const auto whole = [](const Record& r) { return r.got == Got::kFresh; };
   CheckFinding finding;
   finding.threshold = "refused and counted, whole frames after it, FORCE again";
-  auto provoked = provoke(bench, {"corrupt", broken, whole, State::kIdle});
+  auto provoked = provoke(bench, {.fault = "corrupt", .sign = broken, .gone = whole, .wanted_after = State::kIdle});
   if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
   if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
   FrameCounts counts;
