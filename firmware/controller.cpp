@@ -128,15 +128,15 @@ ControllerOutputs Controller::step(const ControllerInputs& inputs, std::span<con
   if (!inputs.motor_bus_ok) limits_ |= bit_of(Limit::kMotorBusLow);
   if (!idle_wanted_) limits_ |= bit_of(Limit::kIdleFirst);
 
-  const StateFrame frame{state_,
-                         inputs.buttons,
-                         static_cast<std::uint8_t>(missed_ < 255 ? missed_ : 255u),
-                         static_cast<std::uint16_t>(fault_),
-                         limits_,
-                         ++state_sequence_,
-                         newest_command_,
-                         inputs.time_us,
-                         inputs.counts};
+  const StateFrame frame{.state = state_,
+                         .buttons = inputs.buttons,
+                         .missed_commands = static_cast<std::uint8_t>(missed_ < 255 ? missed_ : 255u),
+                         .fault = static_cast<std::uint16_t>(fault_),
+                         .limits = limits_,
+                         .sequence = ++state_sequence_,
+                         .echoed_sequence = newest_command_,
+                         .time_us = inputs.time_us,
+                         .counts = inputs.counts};
   encode_state(frame, outputs.state_frame);
   return outputs;
 }

@@ -29,7 +29,7 @@ class Device {
  public:
   // With every module but the controller neutral: no homing, no thermal model, no arm weight.
   explicit Device(const Config& config, const Identity& identity = {}) noexcept
-      : Device(DeviceConfig{config, {}, {}, {}, {}}, identity) {}
+      : Device(DeviceConfig{.control = config, .encoders = {}, .thermal = {}, .gravity = {}, .bus = {}}, identity) {}
   explicit Device(const DeviceConfig& factory, const Identity& identity = {}) noexcept;
 
   // [setup] Activates a saved configuration. False if the block is empty, or invalid (which sets self-test bit 5): the

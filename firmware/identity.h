@@ -17,7 +17,7 @@ inline constexpr std::uint32_t kFirmwareVersion = 0x000100;
 
 // Type of mechanism behind the six axes. Numbers are never reused; a host can read counts and send efforts without
 // knowing the class.
-enum class DeviceClass : std::uint32_t {
+enum class MechanismClass : std::uint32_t {
   kUnknown = 0,
   kDesk3 = 1,     // three translations, no motor on the rotations
   kVirtuose6 = 2  // three translations and a wrist
@@ -26,12 +26,12 @@ enum class DeviceClass : std::uint32_t {
 inline constexpr std::size_t kSerialSize = 16, kSerialWords = kSerialSize / 4;
 
 struct Identity {
-  DeviceClass device_class{DeviceClass::kUnknown};
+  MechanismClass device_class{MechanismClass::kUnknown};
   std::array<char, kSerialSize> serial{};  // ASCII, padded with zeros
 };
 
 // The first sixteen characters of `serial`.
-constexpr Identity make_identity(DeviceClass device_class, std::string_view serial) noexcept {
+constexpr Identity make_identity(MechanismClass device_class, std::string_view serial) noexcept {
   Identity identity{device_class, {}};
   for (std::size_t i = 0; i < kSerialSize && i < serial.size(); ++i) identity.serial[i] = serial[i];
   return identity;

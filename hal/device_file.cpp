@@ -163,8 +163,11 @@ class DeviceReader {
       if (number && item.number >= kCounts.low && item.number <= kCounts.high)
         counts[first + i] = item.number;
       else
-        diagnostics_.add({item.line, item.column, fmt::format("[encoders] {}", key),
-                          fmt::format("{} is not {}", item.shown(), kCounts.noun), accepted});
+        diagnostics_.add({.line = item.line,
+                          .column = item.column,
+                          .where = fmt::format("[encoders] {}", key),
+                          .what = fmt::format("{} is not {}", item.shown(), kCounts.noun),
+                          .accepted = accepted});
     }
   }
 
@@ -199,8 +202,9 @@ Result<DeviceDescription> parse_device_description(std::string_view text, std::s
   DeviceDescription device;
   text::TomlNode root;
   if (text.size() > kMaxDeviceFileBytes)
-    diagnostics.add(
-        {0, 0, "the file", fmt::format("longer than {} bytes", kMaxDeviceFileBytes), "a device description"});
+    diagnostics.add({.where = "the file",
+                     .what = fmt::format("longer than {} bytes", kMaxDeviceFileBytes),
+                     .accepted = "a device description"});
   else if (text::read_toml(text, root, diagnostics))
     DeviceReader(root, device, diagnostics).read();
   if (!diagnostics.ok()) return refused(diagnostics);

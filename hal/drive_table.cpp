@@ -64,7 +64,11 @@ class DriveReader {
       if (item.kind == text::TomlKind::kText)
         drives_.buses.push_back(item.text);
       else
-        diagnostics_.add({item.line, item.column, "[drives] buses", item.shown() + " is not text", "such as \"can0\""});
+        diagnostics_.add({.line = item.line,
+                          .column = item.column,
+                          .where = "[drives] buses",
+                          .what = item.shown() + " is not text",
+                          .accepted = "such as \"can0\""});
     }
     drives_.bit_per_s = table_.count("bit_per_s", 1'000'000, {"a bit rate", 10'000, 1'000'000});
     const bool fd = codec_of(drives_.family).needs_fd;

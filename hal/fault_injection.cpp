@@ -21,6 +21,7 @@ struct KindRule {
 };
 
 constexpr FaultDirection kState = FaultDirection::kState, kBoth = FaultDirection::kBoth;
+// In the order of the fields.
 constexpr KindRule kRules[] = {
     {"lost", FaultKind::kLost, true, kBoth, Amount::kNone, 0, 0, 0, false},
     {"late", FaultKind::kLate, true, kBoth, Amount::kRequired, 0, 1, kMaxLateTicks, true},

@@ -96,19 +96,22 @@ HandTarget HandModel::returning_from(const Posed& from, double time_s) const noe
 
 HandModel::Segment HandModel::Segment::between(const Posed& from, const Posed& to, double start_s,
                                                double duration_s) noexcept {
-  return {start_s,       duration_s,
-          from.position, to.position - from.position,
-          from.rotation, rotation_vector_of(to.rotation * conjugate(from.rotation))};
+  return {.start_s = start_s,
+          .duration_s = duration_s,
+          .position = from.position,
+          .move = to.position - from.position,
+          .rotation = from.rotation,
+          .turn = rotation_vector_of(to.rotation * conjugate(from.rotation))};
 }
 
 HandTarget HandModel::Segment::at(double time_s) const noexcept {
   const double u = std::min((time_s - start_s) / duration_s, 1.0);
   switch (motion) {
-    case HandMotion::kLinear:
+    case haptics::HandMotion::kLinear:
       return linear_at(u);
-    case HandMotion::kCubic:
+    case haptics::HandMotion::kCubic:
       return cubic_at(u);
-    case HandMotion::kSmoothStep:
+    case haptics::HandMotion::kSmoothStep:
       break;
   }
   return smooth_at(u);

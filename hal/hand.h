@@ -2,12 +2,9 @@
 //
 // Force on the tool: k (x_target - x) + c (v_target - v), the same in rotation (with 2 sin(angle / 2) for the angle).
 // The hand's mass is added to the device's, because the hand holds the tool rigidly. Motion between way points:
-//   kSmoothStep  position, velocity and acceleration continuous; zero velocity at each way point
-//   kLinear      straight line at constant velocity, with a velocity step at each way point
-//   kCubic       through each way point with its given velocity: position and velocity continuous (Hermite)
-// Rotations are interpolated along the shorter way, by the rotation vector from one way point to the next. Frame: the
-// device's. Units: SI. Thread: construction [setup] (copies the path); the rest [rt], no allocation, a binary search
-// over the path.
+// rt/haptics/hand_motion.h. Rotations are interpolated along the shorter way, by the rotation vector from one way point
+// to the next. Frame: the device's. Units: SI. Thread: construction [setup] (copies the path); the rest [rt], no
+// allocation, a binary search over the path.
 #pragma once
 
 #include <span>
@@ -16,12 +13,11 @@
 #include "rt/base/result.h"
 #include "rt/base/rotation_vector.h"
 #include "rt/base/spatial.h"
+#include "rt/haptics/hand_motion.h"
 
 namespace tactus::hal {
 
 using tactus::rotation_vector_of;
-
-enum class HandMotion { kSmoothStep, kLinear, kCubic };
 
 struct HandWaypoint {
   double time_s{0};
@@ -35,7 +31,7 @@ struct HandParameters {
   double stiffness_N_per_m{400}, damping_Ns_per_m{12}, mass_kg{0.5};
   double stiffness_Nm_per_rad{4}, damping_Nms_per_rad{0.1}, inertia_kg_m2{1e-3};
   bool repeat{false};  // the path repeats; its last pose must equal its first
-  HandMotion motion{HandMotion::kSmoothStep};
+  haptics::HandMotion motion{haptics::HandMotion::kSmoothStep};
 };
 
 struct HandTarget {
@@ -70,7 +66,7 @@ class HandModel {
     Vec3d position, move;  // m
     Quatd rotation;
     Vec3d turn;  // rad, device frame: rotation vector from the start's rotation to the end's, the shorter way
-    HandMotion motion{HandMotion::kSmoothStep};
+    haptics::HandMotion motion{haptics::HandMotion::kSmoothStep};
     Vec3d start_velocity{}, end_velocity{};    // m/s; kCubic, as below
     Vec3d start_turn_rate{}, end_turn_rate{};  // rad/s: derivative of the rotation vector from the start's rotation
 

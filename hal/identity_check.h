@@ -52,10 +52,10 @@ class IdentityCheck {
 
   void check_class() {
     const std::uint32_t told = read(firmware::number::kDeviceClass);
-    const auto device_class = static_cast<firmware::DeviceClass>(told);
+    const auto device_class = static_cast<firmware::MechanismClass>(told);
     const bool has_rotation = profile_.description.has_rotation();
-    const bool other = (device_class == firmware::DeviceClass::kDesk3 && has_rotation) ||
-                       (device_class == firmware::DeviceClass::kVirtuose6 && !has_rotation);
+    const bool other = (device_class == firmware::MechanismClass::kDesk3 && has_rotation) ||
+                       (device_class == firmware::MechanismClass::kVirtuose6 && !has_rotation);
     if (other) fail("device class", told, has_rotation ? 2 : 1, "name the description of this device (--device-file)");
   }
 

@@ -40,13 +40,23 @@ void Plant::set_motor_wrench(const AxisVector& motor_effort, bool shorted) noexc
 Plant::Line Plant::translation(double h_s, bool shorted) noexcept {
   const PlantParameters& p = parameters_;
   const double damping = p.damping_Ns_per_m + (shorted ? p.brake_damping_Ns_per_m : 0.0);
-  return {h_s, mass_kg_, damping, p.coulomb_force_N, motor_wrench_.force, &hand_wrench_.force};
+  return {.h = h_s,
+          .mass = mass_kg_,
+          .damping = damping,
+          .friction = p.coulomb_force_N,
+          .motor = motor_wrench_.force,
+          .hand_force = &hand_wrench_.force};
 }
 
 Plant::Line Plant::rotation(double h_s, bool shorted) noexcept {
   const PlantParameters& p = parameters_;
   const double damping = p.damping_Nms_per_rad + (shorted ? p.brake_damping_Nms_per_rad : 0.0);
-  return {h_s, inertia_kg_m2_, damping, p.coulomb_torque_Nm, motor_wrench_.torque, &hand_wrench_.torque};
+  return {.h = h_s,
+          .mass = inertia_kg_m2_,
+          .damping = damping,
+          .friction = p.coulomb_torque_Nm,
+          .motor = motor_wrench_.torque,
+          .hand_force = &hand_wrench_.torque};
 }
 
 void Plant::step(double h_s, const AxisVector& motor_effort, bool shorted, const HandTarget& target) noexcept {
@@ -111,10 +121,10 @@ Vec3d Plant::advance(const Line& l, const Vec3d& speed) noexcept {
   // The rest of the momentum change is the friction impulse, sticking or slipping.
   const Vec3d friction_impulse = (next - speed) * l.mass - (l.motor + hand_force + viscous_force) * l.h;
   const Vec3d mean_speed = (speed + next) * 0.5;
-  energy_.motors += l.h * dot(l.motor, mean_speed);
-  energy_.hand += l.h * dot(hand_force, mean_speed);
-  energy_.viscous += l.h * dot(viscous_force, mean_speed);
-  energy_.coulomb += dot(friction_impulse, mean_speed);
+  work_.motors += l.h * dot(l.motor, mean_speed);
+  work_.hand += l.h * dot(hand_force, mean_speed);
+  work_.viscous += l.h * dot(viscous_force, mean_speed);
+  work_.coulomb += dot(friction_impulse, mean_speed);
   *l.hand_force = hand_force;
   return next;
 }
@@ -123,7 +133,7 @@ void Plant::hit_stops() noexcept {
   const double before = kinetic_energy_J();
   hit_sphere();
   if (std::abs(coordinates_[kPitchAxis]) > kPitchLimit_rad) hit_pitch_stop();
-  energy_.stops += kinetic_energy_J() - before;
+  work_.stops += kinetic_energy_J() - before;
 }
 
 void Plant::hit_sphere() noexcept {

@@ -12,8 +12,8 @@
 
 namespace tactus::hal {
 
-// J: the work that each source has done on device and hand together since the start; dissipation is negative.
-struct EnergyBalance {
+// J: what each source has done on device and hand together since the start; dissipation is negative.
+struct PlantWork {
   double motors{0}, hand{0}, viscous{0}, coulomb{0}, stops{0};
 };
 
@@ -34,7 +34,7 @@ class Plant {
   const Twistd& twist() const noexcept { return twist_; }
   const Wrenchd& hand_wrench() const noexcept { return hand_wrench_; }    // on the tool, last sub-step
   const Wrenchd& motor_wrench() const noexcept { return motor_wrench_; }  // on the tool, last sub-step
-  const EnergyBalance& energy() const noexcept { return energy_; }
+  const PlantWork& work() const noexcept { return work_; }
   double kinetic_energy_J() const noexcept;
 
  private:
@@ -57,7 +57,7 @@ class Plant {
   AxisVector coordinates_{};
   Twistd twist_;
   Wrenchd hand_wrench_, motor_wrench_;
-  EnergyBalance energy_;
+  PlantWork work_;
 };
 
 }  // namespace tactus::hal

@@ -10,7 +10,7 @@
 
 #include "firmware/controller.h"
 #include "hal/device_description.h"
-#include "hal/kinematics/reach.h"
+#include "hal/kinematics/workspace_bounds.h"
 #include "rt/haptics/device.h"
 
 namespace tactus::hal {
@@ -31,8 +31,8 @@ struct DeviceProfile {
   std::string name;
   haptics::DeviceProperties properties;  // the device sets delay_s from transport_delay_ticks and its period
   Kinematics kinematics;
-  AxisVector quantum{};  // m or rad per encoder count
-  ReachBounds bounds;    // the tool's limits, converted to the axes
+  AxisVector quantum{};    // m or rad per encoder count
+  WorkspaceBounds bounds;  // the tool's limits, converted to the axes
   PlantParameters plant;
   // Damping of the drives at the tool, the least over workspace and directions; contained in `properties`, not in
   // `plant`.

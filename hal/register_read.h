@@ -14,7 +14,11 @@ namespace tactus::hal {
 template <FrameLink Link>
 Result<std::uint32_t> read_register(Link& link, std::uint16_t number, std::uint8_t tag,
                                     std::chrono::milliseconds patience) {
-  const firmware::ServiceMessage request{firmware::Operation::kRead, firmware::ServiceStatus::kGood, tag, number, 0};
+  const firmware::ServiceMessage request{.operation = firmware::Operation::kRead,
+                                         .status = firmware::ServiceStatus::kGood,
+                                         .tag = tag,
+                                         .address = number,
+                                         .value = 0};
   const auto reply = link.call(request, patience);
   if (!reply.ok()) return reply.status();
   if (reply.value().status == firmware::ServiceStatus::kGood) return reply.value().value;

@@ -173,7 +173,10 @@ void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
 void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcept {
   next.border_work_J = device.border_work_J;
   const auto members = member_slots(device);
-  const StepContacts step{world_.contacts(), std::as_const(world_).bodies(), world_.last_poses(), macro_step_s_};
+  const StepContacts step{.contacts = world_.contacts(),
+                          .bodies = std::as_const(world_).bodies(),
+                          .start = world_.last_poses(),
+                          .step_s = macro_step_s_};
   next.dropped += border_exchange_.fill(step, members, border_.ghosts, next.border);
   if (!border_.ghosts) return;
   next.dropped += border_exchange_.add_approaching(approach_.find(world_, members, approach_horizon_s()), step, members,

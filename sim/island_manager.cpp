@@ -147,9 +147,9 @@ void IslandManager::count_resting_as_slow() noexcept {
 Aabb IslandManager::bounds_at_rest(BodyIndex at, const Settings& settings) const noexcept {
   const Body& body = bodies_[at];
   const double fall = physics::fall_in_step(settings);
-  physics::MotionBound reach;
-  reach.fallen = std::abs(body.gravity_scale) * fall;
-  return physics::bounds_of(body.shape, body.motion.pose, physics::growth_of(reach, fall, settings));
+  physics::MotionBound bound;
+  bound.fallen = std::abs(body.gravity_scale) * fall;
+  return physics::bounds_of(body.shape, body.motion.pose, physics::growth_of(bound, fall, settings));
 }
 
 void IslandManager::put_to_sleep(BodySpan<const std::uint8_t> held, std::span<const Aabb> regions,

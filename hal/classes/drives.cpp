@@ -76,8 +76,10 @@ Result<OpenedDevice> open(const DeviceRequest& request) {
     auto opened = open_drive_sockets(drives, interfaces);
     return opened.ok() ? compare_drives(drives, opened.value(), identities) : opened.status();
   };
-  return OpenedDevice{std::make_unique<AnyDevice>(std::move(arm)), fmt::format("{}", fmt::join(identities, ", ")),
-                      same_device, not_checked_of(drives)};
+  return OpenedDevice{.device = std::make_unique<AnyDevice>(std::move(arm)),
+                      .identity = fmt::format("{}", fmt::join(identities, ", ")),
+                      .same_device = same_device,
+                      .not_checked = not_checked_of(drives)};
 }
 
 // The faults of a script that a bus of drives can have, on all drives at once.
@@ -118,10 +120,10 @@ Result<OpenedDevice> open_simulated(const DeviceRequest& request) {
   if (!arm.ok()) return arm.status();
   for (const DriveFault& fault : faults.value()) arm.value()->world().inject(fault);
   std::string identity = "simulated: " + arm.value()->identity();
-  return OpenedDevice{std::make_unique<AnyDevice>(std::move(arm).value()),
-                      std::move(identity),
-                      {},
-                      not_checked_of(request.profile.description.drives)};
+  return OpenedDevice{.device = std::make_unique<AnyDevice>(std::move(arm).value()),
+                      .identity = std::move(identity),
+                      .same_device = {},
+                      .not_checked = not_checked_of(request.profile.description.drives)};
 }
 
 }  // namespace

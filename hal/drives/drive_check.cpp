@@ -8,7 +8,7 @@
 #include "hal/can/can_interface.h"
 #include "hal/drives/drive_codec.h"
 #include "hal/drives/drive_setup.h"
-#include "hal/kinematics/reach.h"
+#include "hal/kinematics/workspace_bounds.h"
 
 namespace tactus::hal {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "hal/drives/drive_codec.h"
-#include "hal/kinematics/reach.h"
+#include "hal/kinematics/workspace_bounds.h"
 
 namespace tactus::hal {
 namespace {

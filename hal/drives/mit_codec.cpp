@@ -101,8 +101,19 @@ DriveDecode decode_cube_mars(const DriveAxis& axis, const DriveFrame& frame, Dri
 
 constexpr DriveCodec of(std::string_view name, decltype(DriveCodec::encode) encode_function,
                         decltype(DriveCodec::decode) decode_function, bool tells_enabled) noexcept {
-  return {name,  encode_function, decode_function, 8, 8, false, false, false, true, tells_enabled,
-          false, kDampingRange,   kDampingSteps};
+  return {.name = name,
+          .encode = encode_function,
+          .decode = decode_function,
+          .command_bytes = 8,
+          .answer_bytes = 8,
+          .extended_command = false,
+          .extended_answer = false,
+          .needs_fd = false,
+          .damps = true,
+          .tells_enabled = tells_enabled,
+          .has_float_position = false,
+          .default_damping_range_Nms_per_rad = kDampingRange,
+          .damping_steps = kDampingSteps};
 }
 
 DriveFrame register_frame(unsigned motor_id, std::uint8_t operation, DamiaoRegister number,

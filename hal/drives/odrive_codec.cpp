@@ -67,7 +67,20 @@ DriveDecode decode(const DriveAxis& axis, const DriveFrame& frame, DriveAnswer& 
 
 }  // namespace
 
-const DriveCodec kOdriveCodec{"odrive", encode, decode, 4, 8, false, false, false, false, false, true, 0, 0, false};
+const DriveCodec kOdriveCodec{.name = "odrive",
+                              .encode = encode,
+                              .decode = decode,
+                              .command_bytes = 4,
+                              .answer_bytes = 8,
+                              .extended_command = false,
+                              .extended_answer = false,
+                              .needs_fd = false,
+                              .damps = false,
+                              .tells_enabled = false,
+                              .has_float_position = true,
+                              .default_damping_range_Nms_per_rad = 0,
+                              .damping_steps = 0,
+                              .tells_torque = false};
 
 DriveFrame odrive_torque_mode(unsigned node) noexcept {
   DriveFrame frame = to(node, OdriveCommand::kControllerMode);

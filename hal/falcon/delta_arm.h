@@ -2,7 +2,7 @@
 //
 // Axis i is the angle of leg i's thigh, measured from its angle at the workspace's centre. In the maker's frame x is to
 // the right, y up and z towards the person; here the device's frame is that of tactus: x to the right, y away from the
-// person, z up, the origin at z = 0.125 m of the maker's, the middle of the reach. Per leg at azimuth phi, with the
+// person, z up, the origin at z = 0.125 m of the maker's, the middle of the workspace. Per leg at azimuth phi, with the
 // foot's offsets r and s: u = x cos phi + y sin phi - r, v = y cos phi - x sin phi - s, w = z, and the shin's angles
 // theta2 in the plane of the thigh, theta3 out of it. Geometry: libnifalcon's figures (BSD licence), on which other
 // drivers build; the inverse agrees with its half-angle form, the Jacobian is the derivative of the inverse (its
@@ -19,7 +19,7 @@ namespace tactus::hal {
 
 class DeltaArm {
  public:
-  static constexpr double kReach_m = 0.05;  // of the tool about the centre
+  static constexpr double kWorkspaceRadius_m = 0.05;  // of the tool about the centre
   // rad of an axis per encoder count: 1280 counts a turn of a capstan of 14.25 mm on a sector of 110 mm.
   static constexpr double kCount_rad = 6.359e-4;
   static constexpr double kZeroCount_rad = 35.0 * 3.14159265358979323846 / 180.0;  // thigh angle at count 0
@@ -38,9 +38,9 @@ class DeltaArm {
     const double u = phi.cos * position.x + phi.sin * position.y - kR;
     const double v = -phi.sin * position.x + phi.cos * position.y - kS, w = position.z;
     const double cos3 = std::clamp((v + kF) / kShin, -0.999, 0.999), sin3 = std::sqrt(1 - cos3 * cos3);
-    const double reach = kShin * sin3 + kD + kE, out = u + kC;
+    const double shin_length = kShin * sin3 + kD + kE, out = u + kC;
     const double squares = std::max(out * out + w * w, 1e-6), distance = std::sqrt(squares);
-    const double cosine = (squares + kThigh * kThigh - reach * reach) / (2 * kThigh * distance);
+    const double cosine = (squares + kThigh * kThigh - shin_length * shin_length) / (2 * kThigh * distance);
     Leg found;
     found.theta1 = std::atan2(w, out) - std::acos(std::clamp(cosine, -0.999, 0.999));
     const auto thigh = sin_cos(found.theta1);

@@ -1,7 +1,7 @@
 #include "hal/falcon/falcon_logic.h"
 
 #include "hal/falcon/falcon_faults.h"
-#include "hal/kinematics/reach.h"
+#include "hal/kinematics/workspace_bounds.h"
 
 namespace tactus::hal {
 namespace {
@@ -17,9 +17,10 @@ constexpr std::uint8_t kAllHomed = 7;
 FalconLogic::FalconLogic(double gain_per_Nm, std::int64_t period_ns)
     : gain_per_Nm_(gain_per_Nm), period_ns_(period_ns) {
   const AxisVector quantum{DeltaArm::kCount_rad, DeltaArm::kCount_rad, DeltaArm::kCount_rad, 0, 0, 0};
-  const ReachBounds bounds = bounds_over(DeltaArm(), quantum, {DeltaArm::kReach_m, kFalconForce_N, 0, 1, 0});
+  const WorkspaceBounds bounds =
+      bounds_over(DeltaArm(), quantum, {DeltaArm::kWorkspaceRadius_m, kFalconForce_N, 0, 1, 0});
   properties_.has_rotation = false;
-  properties_.workspace_radius_m = DeltaArm::kReach_m;
+  properties_.workspace_radius_m = DeltaArm::kWorkspaceRadius_m;
   properties_.max_speed_m_per_s = 1.5;
   properties_.max_force_N = kFalconForce_N;
   properties_.continuous_force_N = 2.5;  // an estimate, as are mass, damping and friction

@@ -10,7 +10,7 @@ PlantParameters mechanics() noexcept {
   return {.mass_kg = 0.2,
           .damping_Ns_per_m = 1,
           .coulomb_force_N = 0.1,
-          .stop_radius_m = DeltaArm::kReach_m,
+          .stop_radius_m = DeltaArm::kWorkspaceRadius_m,
           .max_effort = {50, 50, 50, 0, 0, 0},
           .has_rotation = false};
 }

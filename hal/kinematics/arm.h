@@ -11,8 +11,8 @@
 // frame's orientation, the column is at -x, and axes 1, 0, 2 move the tool along x, y, z: this pose is the farthest
 // from all singularities. PointArm has no wrist: its tool always keeps the frame's orientation and takes no torque.
 // Units: SI. Thread: [any]; pure, bounded. Bound: singular with the arm stretched or folded (elbow 90 degrees off its
-// right angle, cosine 0) and with the tool above the column (reach 0). Nearer to these the inverses are computed with a
-// cosine of 0.17 and a reach of a tenth of the forearm.
+// right angle, cosine 0) and with the tool above the column (radius 0). Nearer to these the inverses are computed with
+// a cosine of 0.17 and a radius of a tenth of the forearm.
 #pragma once
 
 #include "hal/kinematics/wrist.h"
@@ -27,7 +27,7 @@ struct ArmLinks {
 // The arm without its wrist, at one configuration.
 struct ArmAt {
   ArmLinks links;
-  double reach, bounded_reach;     // m: horizontal distance from the column; the same, bounded away from zero
+  double radius, bounded_radius;   // m: horizontal distance from the column; the same, bounded away from zero
   double height_m;                 // above the shoulder
   double cos_elbow;                // cos(q1 + q2), bounded away from zero
   Vec3d outwards, tangent;         // unit, horizontal: in the arm's plane, normal to it
@@ -43,33 +43,33 @@ struct ArmAt {
     upper_turn = outwards * lean.cos - up * lean.sin;
     forearm = outwards * rise.cos + up * rise.sin;
     forearm_turn = up * rise.cos - outwards * rise.sin;
-    reach = links.upper_m * lean.sin + links.forearm_m * rise.cos;
+    radius = links.upper_m * lean.sin + links.forearm_m * rise.cos;
     height_m = links.upper_m * lean.cos + links.forearm_m * rise.sin;
-    bounded_reach = away_from_zero(reach, 0.1 * links.forearm_m);
+    bounded_radius = away_from_zero(radius, 0.1 * links.forearm_m);
     cos_elbow = away_from_zero(lean.cos * rise.cos - lean.sin * rise.sin, kCosPitchLimit);
   }
 
-  Vec3d position() const noexcept { return outwards * reach + Vec3d{-links.forearm_m, 0, height_m - links.upper_m}; }
+  Vec3d position() const noexcept { return outwards * radius + Vec3d{-links.forearm_m, 0, height_m - links.upper_m}; }
 
   Vec3d velocity(const AxisVector& rate) const noexcept {
-    return tangent * (reach * rate[0]) + upper_turn * (links.upper_m * rate[1]) +
+    return tangent * (radius * rate[0]) + upper_turn * (links.upper_m * rate[1]) +
            forearm_turn * (links.forearm_m * rate[2]);
   }
 
   void rates(const Vec3d& velocity, AxisVector& rate) const noexcept {
-    rate[0] = dot(tangent, velocity) / bounded_reach;
+    rate[0] = dot(tangent, velocity) / bounded_radius;
     rate[1] = dot(forearm, velocity) / (links.upper_m * cos_elbow);
     rate[2] = dot(upper, velocity) / (links.forearm_m * cos_elbow);
   }
 
   void efforts(const Vec3d& force, AxisVector& effort) const noexcept {
-    effort[0] = reach * dot(tangent, force);
+    effort[0] = radius * dot(tangent, force);
     effort[1] = links.upper_m * dot(upper_turn, force);
     effort[2] = links.forearm_m * dot(forearm_turn, force);
   }
 
   Vec3d force(const AxisVector& effort) const noexcept {
-    return tangent * (effort[0] / bounded_reach) + forearm * (effort[1] / (links.upper_m * cos_elbow)) +
+    return tangent * (effort[0] / bounded_radius) + forearm * (effort[1] / (links.upper_m * cos_elbow)) +
            upper * (effort[2] / (links.forearm_m * cos_elbow));
   }
 

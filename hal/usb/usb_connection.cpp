@@ -53,7 +53,10 @@ Interface find_interface(libusb_device* device) {
     if (interface.bInterfaceClass != firmware::kUsbInterfaceClass ||
         interface.bInterfaceSubClass != firmware::kUsbInterfaceSubclass)
       continue;
-    Interface candidate{interface.bInterfaceNumber, 0, 0, interface.bInterfaceProtocol};
+    Interface candidate{.number = interface.bInterfaceNumber,
+                        .state_endpoint = 0,
+                        .command_endpoint = 0,
+                        .protocol = interface.bInterfaceProtocol};
     for (int e = 0; e < interface.bNumEndpoints; ++e) {
       const libusb_endpoint_descriptor& endpoint = interface.endpoint[e];
       const bool interrupt =

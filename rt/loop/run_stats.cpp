@@ -51,8 +51,12 @@ void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t
   if (out.fault == fault_now) return;
   const bool latched = out.fault != Fault::kNone;
   if (latched) ++fault_count;
-  const FaultEvent event{
-      out.tick, latched ? out.fault : fault_now, latched ? 0u : 1u, device.state, device.device_fault, device.limits};
+  const FaultEvent event{.tick = out.tick,
+                         .fault = latched ? out.fault : fault_now,
+                         .cleared = latched ? 0u : 1u,
+                         .device_state = device.state,
+                         .device_fault = device.device_fault,
+                         .device_limits = device.limits};
   if (!faults.try_push(event)) {
     faults[faults.size() - 1] = event;
     ++fault_events_dropped;

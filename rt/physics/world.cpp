@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "rt/physics/collision/collide_parts.h"
-#include "rt/physics/collision/mesh_reach.h"
+#include "rt/physics/collision/mesh_culling.h"
 #include "rt/physics/shapes/hull_view.h"
 
 namespace tactus::physics {
@@ -24,7 +24,7 @@ bool holds(const BoundedVector<Body>& bodies, std::uint32_t slot, BodyId id) noe
 bool is_compound(const Body& body) noexcept { return body.shape.kind == ShapeKind::kCompound; }
 
 // True if the box may reach below the plane: the half space z <= 0 of its frame.
-bool reaches_plane(const Aabb& box, const BodyFrame& plane) noexcept {
+bool may_cross_plane(const Aabb& box, const BodyFrame& plane) noexcept {
   const Vec3d& normal = plane.axes.z;
   const Vec3d lowest{normal.x > 0.0 ? box.lower.x : box.upper.x, normal.y > 0.0 ? box.lower.y : box.upper.y,
                      normal.z > 0.0 ? box.lower.z : box.upper.z};
@@ -252,7 +252,7 @@ void World::add_part_pairs(const SlotPair& pair, bool fixed, const StepSettings&
     return for_each_near_parts({posed_shape(a), growth_a}, {posed_shape(b), growth_b}, shapes_, add);
   for (std::uint32_t i = 0; i < parts_of(a.shape, shapes_.compounds); ++i) {
     const PosedPart part = part_of(posed_shape(a), i, shapes_.compounds);
-    if (reaches_plane(bounds_of(part.shape, part.pose, growth_a, shapes_.hulls), fixed_frames_[pair.b])) add(i, 0);
+    if (may_cross_plane(bounds_of(part.shape, part.pose, growth_a, shapes_.hulls), fixed_frames_[pair.b])) add(i, 0);
   }
 }
 
@@ -322,7 +322,7 @@ void World::add_fixed_pairs(StageContext& context) noexcept {
   effects_.stages().run(Phase::kFixedPairs, context);
   for (const std::uint32_t f : fixed_tree_.unbounded())
     for (std::uint32_t i = 0; i < bodies_.size(); ++i) {
-      if (frozen_[i] != 0 || !reaches_plane(bounds_[i].grown(growth_to_fixed_), fixed_frames_[f])) continue;
+      if (frozen_[i] != 0 || !may_cross_plane(bounds_[i].grown(growth_to_fixed_), fixed_frames_[f])) continue;
       if (!fixed_pairs_.try_push({f, i})) add_fixed_pair({f, i}, context.settings, context.report);
     }
   sort_fixed_pairs();
@@ -350,7 +350,7 @@ std::uint32_t World::add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t
   const Body& fixed = fixed_bodies_[fixed_slot];
   const Mesh& mesh = shapes_.meshes[fixed.shape.index];
   const Aabb box = bounds_of(part.shape, part.pose, margin_to_fixed(motion_bounds_[slot], settings), shapes_.hulls);
-  const MeshReach reach(mesh, part, motion_bounds_[slot], fixed.motion.pose.rotation, settings, shapes_.hulls);
+  const MeshCulling culling(mesh, part, motion_bounds_[slot], fixed.motion.pose.rotation, settings, shapes_.hulls);
   TriangleList near;
   near_triangles.find(mesh, of.body, fixed.shape.index, box, near);
   std::uint32_t left_out = near.left_out;
@@ -362,7 +362,7 @@ std::uint32_t World::add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t
     stretch = {mesh_triangles_.size(), 0};
   };
   for (const std::uint32_t triangle : near.triangles) {
-    if (!reach.reaches(triangle)) continue;
+    if (!culling.can_touch(triangle)) continue;
     if (mesh.triangles[triangle].patch != patch) {
       add_pair();
       patch = mesh.triangles[triangle].patch;

@@ -133,7 +133,11 @@ Status TapeDrain::dump(const std::string& path, std::string_view text) {
 
 TapeDrain::Counts TapeDrain::counts() const {
   const std::lock_guard lock(mutex_);
-  return {records_, payload_bytes_, ring_.dropped(), history_.not_kept(), ticks_not_written_};
+  return {.records = records_,
+          .bytes = payload_bytes_,
+          .lost = ring_.dropped(),
+          .not_kept = history_.not_kept(),
+          .ticks_not_written = ticks_not_written_};
 }
 
 }  // namespace tactus::loop

@@ -55,8 +55,11 @@ bool too_many_dots(std::string_view text, Diagnostics& diagnostics) {
       dots = 0;
     }
     if (c == '.' && ++dots > kMaxDotsPerLine) {
-      diagnostics.add({line, 1, "the file", fmt::format("the line has more than {} dots", kMaxDotsPerLine),
-                       "shorter lines: break long arrays"});
+      diagnostics.add({.line = line,
+                       .column = 1,
+                       .where = "the file",
+                       .what = fmt::format("the line has more than {} dots", kMaxDotsPerLine),
+                       .accepted = "shorter lines: break long arrays"});
       return true;
     }
   }
@@ -103,15 +106,30 @@ std::optional<Mistake> plain_words(std::string_view description, std::string_vie
   if (says("cannot redefine existing")) {
     if (!line.empty() && line.front() == '[') {
       const std::string name(line.substr(0, line.rfind(']') + 1));
-      return Mistake{at.line, 1, name, "stands here a second time",
-                     fmt::format("once; of what there may be several, each begins with [{}]", name)};
+      return Mistake{.line = at.line,
+                     .column = 1,
+                     .where = name,
+                     .what = "stands here a second time",
+                     .accepted = fmt::format("once; of what there may be several, each begins with [{}]", name)};
     }
-    return Mistake{at.line, 1, std::string(trimmed(line.substr(0, line.find('=')))), "is set a second time", "once"};
+    return Mistake{.line = at.line,
+                   .column = 1,
+                   .where = std::string(trimmed(line.substr(0, line.find('=')))),
+                   .what = "is set a second time",
+                   .accepted = "once"};
   }
   if (says("parsing string") && says("control characters"))
-    return Mistake{at.line, at.column, "the file", "a text without its closing quote", "\"text\""};
+    return Mistake{.line = at.line,
+                   .column = at.column,
+                   .where = "the file",
+                   .what = "a text without its closing quote",
+                   .accepted = "\"text\""};
   if (says("could not determine value type"))
-    return Mistake{at.line, at.column, "the file", "no value begins like this", kValues};
+    return Mistake{.line = at.line,
+                   .column = at.column,
+                   .where = "the file",
+                   .what = "no value begins like this",
+                   .accepted = kValues};
   return std::nullopt;
 }
 
@@ -125,14 +143,23 @@ std::optional<Mistake> bad_value(std::string_view line, const toml::source_posit
   const bool plain = std::all_of(line.begin(), line.end(), is_plain);
   if (!plain || key.empty() || key.size() > 60 || value.size() > 60 || value.find_first_of("\"'[{") == 0)
     return std::nullopt;
-  if (value.empty()) return Mistake{at.line, at.column, key, "has no value", kValues};
+  if (value.empty())
+    return Mistake{.line = at.line, .column = at.column, .where = key, .what = "has no value", .accepted = kValues};
   std::string lower = value;
   for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   const bool yes = lower == "yes" || lower == "on" || lower == "true";
   const bool no = lower == "no" || lower == "off" || lower == "false";
   if (yes || no)
-    return Mistake{at.line, at.column, key, fmt::format("{} is no value, did you mean {}?", value, yes), "true, false"};
-  return Mistake{at.line, at.column, key, fmt::format("{} is no value", value), kValues};
+    return Mistake{.line = at.line,
+                   .column = at.column,
+                   .where = key,
+                   .what = fmt::format("{} is no value, did you mean {}?", value, yes),
+                   .accepted = "true, false"};
+  return Mistake{.line = at.line,
+                 .column = at.column,
+                 .where = key,
+                 .what = fmt::format("{} is no value", value),
+                 .accepted = kValues};
 }
 
 // Empty, and one mistake, if the text is not TOML.
@@ -145,9 +172,17 @@ std::optional<toml::table> parse_text(std::string_view text, Diagnostics& diagno
     std::optional<Mistake> mistake = bad_value(line, at);
     if (!mistake || description.find("redefine") != description.npos)
       if (auto plain = plain_words(description, line, at)) mistake = std::move(plain);
-    diagnostics.add(mistake.value_or(Mistake{at.line, at.column, "the file", std::string(description), "TOML 1.0"}));
+    diagnostics.add(mistake.value_or(Mistake{.line = at.line,
+                                             .column = at.column,
+                                             .where = "the file",
+                                             .what = std::string(description),
+                                             .accepted = "TOML 1.0"}));
   } catch (const TomlAssertion&) {
-    diagnostics.add({breaking_line(text), 1, "the file", "a key or a bracket that is not complete", "TOML 1.0"});
+    diagnostics.add({.line = breaking_line(text),
+                     .column = 1,
+                     .where = "the file",
+                     .what = "a key or a bracket that is not complete",
+                     .accepted = "TOML 1.0"});
   }
   return std::nullopt;
 }
@@ -213,7 +248,11 @@ class Converter {
   }
 
   bool refuse(const TomlNode& at, std::string what) {
-    diagnostics_.add({at.line, at.column, "the file", std::move(what), "a smaller file"});
+    diagnostics_.add({.line = at.line,
+                      .column = at.column,
+                      .where = "the file",
+                      .what = std::move(what),
+                      .accepted = "a smaller file"});
     return false;
   }
 
@@ -252,8 +291,9 @@ std::string TomlNode::shown() const {
 
 bool read_toml(std::string_view text, TomlNode& root, Diagnostics& diagnostics) {
   if (text.size() > kMaxTomlBytes) {
-    diagnostics.add(
-        {0, 0, "the file", fmt::format("{} bytes", text.size()), fmt::format("at most {} bytes", kMaxTomlBytes)});
+    diagnostics.add({.where = "the file",
+                     .what = fmt::format("{} bytes", text.size()),
+                     .accepted = fmt::format("at most {} bytes", kMaxTomlBytes)});
     return false;
   }
   if (too_many_dots(text, diagnostics)) return false;

@@ -243,7 +243,7 @@ ApparentInertia::ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_con
   latest_.reserve(max_bodies);
   earlier_.reserve(max_bodies);
   immovable_.reserve(max_bodies);
-  reached_.reserve(kMaxBodies);
+  visited_.reserve(kMaxBodies);
 }
 
 // Unbroken joints whose bodies are both awake; A may be the world.
@@ -364,11 +364,11 @@ Twistd ApparentInertia::off_mean(SlotIndex slot) noexcept {
   return now - mean;
 }
 
-void ApparentInertia::reach(SlotIndex slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept {
+void ApparentInertia::visit(SlotIndex slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept {
   found_[number_of(slot)] = search_;
   const Vec3d d = body(slot).motion.pose.position - centre;
   const Matrix6 inertia = inertia_of(body(slot), d);
-  reached_.push_back({.slot = slot,
+  visited_.push_back({.slot = slot,
                       .parent = parent,
                       .link = link,
                       .inertia = inertia,
@@ -377,7 +377,7 @@ void ApparentInertia::reach(SlotIndex slot, std::uint32_t parent, std::uint32_t 
 }
 
 // Two compounds touch by several contacts, which are consecutive; `from` was reached by the first that touches.
-void ApparentInertia::add_other_parts(Reached& from, const Vec3d& centre) const noexcept {
+void ApparentInertia::add_other_parts(Visited& from, const Vec3d& centre) const noexcept {
   for (std::uint32_t next = from.link + 1; next < contacts_.size(); ++next) {
     if (contacts_[next].key.of_bodies() != contacts_[from.link].key.of_bodies()) return;
     if (contacts_[next].touching()) add(from.constraint_stiffness, constraint_stiffness_of(next, centre));
@@ -388,27 +388,27 @@ void ApparentInertia::add_other_parts(Reached& from, const Vec3d& centre) const 
 // parent.
 void ApparentInertia::collect(SlotIndex slot, std::span<const std::uint8_t> members) noexcept {
   ++search_;
-  reached_.clear();
+  visited_.clear();
   const Vec3d centre = body(slot).motion.pose.position;
-  reach(slot, kNone, kNone, centre);
-  for (std::uint32_t head = 0; head < reached_.size(); ++head)
-    for (const auto& [link, other] : links_of(reached_[head].slot)) {
+  visit(slot, kNone, kNone, centre);
+  for (std::uint32_t head = 0; head < visited_.size(); ++head)
+    for (const auto& [link, other] : links_of(visited_[head].slot)) {
       if (other == kStatic || is_immovable(other)) {
         const Matrix6 constraint_stiffness = constraint_stiffness_of(link, centre);
-        add(reached_[head].inertia, constraint_stiffness);
+        add(visited_[head].inertia, constraint_stiffness);
         if (other != kStatic)
-          add(reached_[head].momentum,
+          add(visited_[head].momentum,
               product(constraint_stiffness, at_point(off_mean(other), body(other).motion.pose.position - centre)));
       } else if (members[number_of(other)] == 0 && found_[number_of(other)] != search_ &&
-                 reached_.size() < kMaxBodies && (link >= contacts_.size() || contacts_[link].touching())) {
-        reach(other, head, link, centre);
+                 visited_.size() < kMaxBodies && (link >= contacts_.size() || contacts_[link].touching())) {
+        visit(other, head, link, centre);
       }
     }
-  for (std::size_t i = reached_.size(); i-- > 1;) {
-    Reached& from = reached_[i];
+  for (std::size_t i = visited_.size(); i-- > 1;) {
+    Visited& from = visited_[i];
     from.constraint_stiffness = constraint_stiffness_of(from.link, centre);
     add_other_parts(from, centre);
-    Reached& to = reached_[from.parent];
+    Visited& to = visited_[from.parent];
     const Felt felt = series_inertia(from.constraint_stiffness, from.inertia, from.momentum);
     add(to.inertia, felt.inertia);
     add(to.momentum, felt.momentum);
@@ -418,8 +418,8 @@ void ApparentInertia::collect(SlotIndex slot, std::span<const std::uint8_t> memb
 OutsideAnswer ApparentInertia::find(SlotIndex slot, std::span<const std::uint8_t> members) noexcept {
   if (is_immovable(slot)) return {body(slot).motion.velocity, {}};
   collect(slot, members);
-  const Vector6& p = reached_[0].momentum;
-  const physics::Admittance w = invert(reached_[0].inertia);
+  const Vector6& p = visited_[0].momentum;
+  const physics::Admittance w = invert(visited_[0].inertia);
   const Twistd mean = mean_velocity(slot), kept = w * Wrenchd{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
   return {mean + kept, w};
 }

@@ -89,17 +89,17 @@ class ApparentInertia {
     const physics::Joint* joint;
     const physics::JointState* state;
   };
-  struct Reached {
+  struct Visited {
     physics::SlotIndex slot;
-    std::uint32_t parent, link;    // parent: index in reached_
+    std::uint32_t parent, link;    // parent: index in visited_
     Matrix6 inertia;               // about the queried body's centre, its subtree included
     Matrix6 constraint_stiffness;  // G of the link to the parent
     Vector6 momentum;              // about that centre, its subtree included
   };
 
   void collect(physics::SlotIndex slot, std::span<const std::uint8_t> members) noexcept;
-  void reach(physics::SlotIndex slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept;
-  void add_other_parts(Reached& from, const Vec3d& centre) const noexcept;
+  void visit(physics::SlotIndex slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept;
+  void add_other_parts(Visited& from, const Vec3d& centre) const noexcept;
   void find_joints(const physics::World& world) noexcept;
   // Calls f(link, slot_a, slot_b) for contacts, then joints; a slot is kStatic where that side is static.
   template <class F>
@@ -131,7 +131,7 @@ class ApparentInertia {
   std::uint32_t step_{0};
   std::vector<std::uint32_t> found_;  // by slot: number of the last search that reached it
   std::uint32_t search_{0};
-  std::vector<Reached> reached_;
+  std::vector<Visited> visited_;
 };
 
 }  // namespace tactus::sim

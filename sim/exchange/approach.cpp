@@ -99,9 +99,13 @@ void Approach::compare(const physics::World& world, const Moving& a, const Movin
         manifold.count = meet;
         if (meet == 0 || found_.size() == kMaxApproaches) return;
         const double separation = manifold.points[0].separation;
-        found_.push_back({a.slot, b.slot, i, j, manifold,
-                          physics::round_at(part_shape(body_a.shape, i, lists.compounds), separation),
-                          physics::round_at(part_shape(body_b.shape, j, lists.compounds), separation)});
+        found_.push_back({.a = a.slot,
+                          .b = b.slot,
+                          .part_a = i,
+                          .part_b = j,
+                          .manifold = manifold,
+                          .round_a = physics::round_at(part_shape(body_a.shape, i, lists.compounds), separation),
+                          .round_b = physics::round_at(part_shape(body_b.shape, j, lists.compounds), separation)});
       });
 }
 

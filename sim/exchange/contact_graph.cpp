@@ -36,7 +36,7 @@ ContactGraph::ContactGraph(std::uint32_t max_bodies, std::uint32_t max_touches)
     : touches_(max_touches),
       links_(2 * std::size_t{max_touches}),
       first_(max_bodies + 1),
-      hops_(max_bodies, kUnreached),
+      hops_(max_bodies, kNoPath),
       queue_(max_bodies) {}
 
 void ContactGraph::build(std::uint32_t bodies, std::span<const ContactEdge> touches) noexcept {
@@ -57,7 +57,7 @@ void ContactGraph::build(std::uint32_t bodies, std::span<const ContactEdge> touc
     links_[--first_[number_of(touches_[t].a)]] = {touches_[t].b, t};
     links_[--first_[number_of(touches_[t].b)]] = {touches_[t].a, t};
   }
-  hops_.fill(kUnreached);
+  hops_.fill(kNoPath);
   visited_count_ = 0;
 }
 
@@ -67,7 +67,7 @@ std::span<const ContactGraph::Link> ContactGraph::links(BodyIndex body) const no
 }
 
 std::uint32_t ContactGraph::find_component(BodyIndex from, std::span<const BodyIndex> seeds) noexcept {
-  for (const BodyIndex body : visited()) hops_[body] = kUnreached;
+  for (const BodyIndex body : visited()) hops_[body] = kNoPath;
   visited_count_ = 0;
   visit(from, 0);
   for (std::uint32_t head = 0; head < visited_count_; ++head) {
@@ -80,7 +80,7 @@ std::uint32_t ContactGraph::find_component(BodyIndex from, std::span<const BodyI
 }
 
 void ContactGraph::visit(BodyIndex body, std::uint32_t hops) noexcept {
-  if (hops_[body] != kUnreached) return;
+  if (hops_[body] != kNoPath) return;
   hops_[body] = hops;
   queue_[visited_count_++] = body;
 }

@@ -31,7 +31,7 @@ ContactEdge contact_edge_of(std::span<const physics::Contact> contacts, std::spa
 
 class ContactGraph {
  public:
-  static constexpr std::uint32_t kUnreached = 0xffffffffu;
+  static constexpr std::uint32_t kNoPath = 0xffffffffu;
 
   struct Link {
     BodyIndex body{};        // the other body
@@ -51,7 +51,7 @@ class ContactGraph {
   // first. `seeds` are treated as touching `from`. Returns the component's size.
   std::uint32_t find_component(BodyIndex from, std::span<const BodyIndex> seeds = {}) noexcept;
   std::span<const BodyIndex> visited() const noexcept { return {queue_.data(), visited_count_}; }
-  // Edges on the shortest path from `from` of the last find_component to this body; kUnreached if there is no path.
+  // Edges on the shortest path from `from` of the last find_component to this body; kNoPath if there is no path.
   std::uint32_t hops(BodyIndex body) const noexcept { return hops_[body]; }
 
  private:

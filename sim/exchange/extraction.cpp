@@ -73,13 +73,13 @@ void Extraction::add_linked(BodySpan<const physics::Body> bodies, ContactGraph& 
     return;
   }
   graph.find_component(proxy_, near_);
-  std::uint32_t last_hop = ContactGraph::kUnreached;
+  std::uint32_t last_hop = ContactGraph::kNoPath;
   for (const BodyIndex index : graph.visited()) {
     const std::uint32_t hops = graph.hops(index);
     if (hops > last_hop) break;  // beyond any that the cap could admit
     if (available(index, free))
       add(Priority::kLinked, -static_cast<double>(hops - (was_member_[index] != 0 ? 1 : 0)), index);
-    if (last_hop == ContactGraph::kUnreached && candidates_.size() >= cap) last_hop = hops + 1;
+    if (last_hop == ContactGraph::kNoPath && candidates_.size() >= cap) last_hop = hops + 1;
   }
 }
 
@@ -154,7 +154,7 @@ void Extraction::take_all(std::uint32_t bodies) noexcept {
 
 void Extraction::count_left_out(std::uint32_t cap, const ContactGraph& graph) noexcept {
   std::uint32_t wanted = statistics_.component, inside = 0;
-  const auto in_component = [&](BodyIndex index) { return graph.hops(index) != ContactGraph::kUnreached; };
+  const auto in_component = [&](BodyIndex index) { return graph.hops(index) != ContactGraph::kNoPath; };
   for (const BodyIndex index : near_) {
     if (!in_component(index)) ++wanted;
     if (member_[index] == 0) ++statistics_.close_left_out;

@@ -30,7 +30,16 @@ struct MeshParts {
 
   // Valid until the parts change.
   physics::Mesh view() const noexcept {
-    return {corners, triangles, normals, patches, nodes, order, around_start, around, half_extents, first_patch_id};
+    return {.corners = corners,
+            .triangles = triangles,
+            .normals = normals,
+            .patches = patches,
+            .nodes = nodes,
+            .order = order,
+            .around_start = around_start,
+            .around = around,
+            .half_extents = half_extents,
+            .first_patch_id = first_patch_id};
   }
 };
 

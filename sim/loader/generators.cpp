@@ -27,7 +27,10 @@ PileLayout layout_of(const PileSpec& spec) {
   unsigned columns = 1;
   while (columns * columns < per_layer) ++columns;
   const unsigned rows = (per_layer + columns - 1) / columns;
-  return {columns, rows, spec.cube_m * (1 + spec.gap_fraction), 0.25 * spec.cube_m};
+  return {.columns = columns,
+          .rows = rows,
+          .pitch_m = spec.cube_m * (1 + spec.gap_fraction),
+          .shift_m = 0.25 * spec.cube_m};
 }
 
 }  // namespace

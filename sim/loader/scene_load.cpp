@@ -121,7 +121,7 @@ class SceneReader {
     return tables;
   }
 
-  DevicePlacement& device_of(unsigned hand) { return hand == 0 ? scene_.device : scene_.more_hands[hand - 1].device; }
+  SceneDevice& device_of(unsigned hand) { return hand == 0 ? scene_.device : scene_.more_hands[hand - 1].device; }
   haptics::CouplingGains& coupling_of(unsigned hand) {
     return hand == 0 ? scene_.coupling : scene_.more_hands[hand - 1].coupling;
   }
@@ -130,7 +130,7 @@ class SceneReader {
     const auto tables = tables_of_hands("device", true);
     for (unsigned hand = 0; hand < tables.size(); ++hand) {
       text::TableReader t(tables[hand], "[device]", diagnostics_);
-      DevicePlacement& device = device_of(hand);
+      SceneDevice& device = device_of(hand);
       device.profile = t.word("profile", device.profile, {"virtuose6d", "desk3d"});
       device.world_from_device = t.pose();
       device.motion_scale = t.number("motion_scale", device.motion_scale, {"a scale", 0.01, 100});
@@ -274,8 +274,9 @@ Result<Scene> parse(std::string_view text, std::string_view name, const std::opt
     kept = reader.kept_files();
   }
   if (text.size() + kept.size() > kMaxSceneBytes && found.ok())  // a tape with a longer source could not be read
-    found.add({0, 0, "the file", fmt::format("{} bytes with what its files hold", text.size() + kept.size()),
-               fmt::format("at most {} bytes: fewer rows, corners or triangles", kMaxSceneBytes)});
+    found.add({.where = "the file",
+               .what = fmt::format("{} bytes with what its files hold", text.size() + kept.size()),
+               .accepted = fmt::format("at most {} bytes: fewer rows, corners or triangles", kMaxSceneBytes)});
   if (found.ok()) scene.source = std::string(text) + kept;
   return finish(std::move(scene), std::move(found), diagnostics);
 }
@@ -291,7 +292,9 @@ Result<Scene> load_scene(const std::filesystem::path& path, text::Diagnostics* d
     return parse(*text, path.string(), path.parent_path(), diagnostics);
   text::Diagnostics found;
   found.name = path.string();
-  found.add({0, 0, "the file", "cannot be read", "the path of a scene file, such as sim/scenes/card_house.toml"});
+  found.add({.where = "the file",
+             .what = "cannot be read",
+             .accepted = "the path of a scene file, such as sim/scenes/card_house.toml"});
   return finish({}, std::move(found), diagnostics);
 }
 

@@ -68,7 +68,7 @@ T& entry_of(std::vector<T>& by_id, BodyId id) {
 }  // namespace
 
 // Adds a mistake if the key is present and its effect is not declared.
-bool EffectReader::needs(text::TableReader& table, const char* key, bool Effects::*effect) {
+bool EffectReader::needs(text::TableReader& table, const char* key, bool DeclaredEffects::*effect) {
   if (!table.has(key) || scene_.effects.*effect) return true;
   const std::string_view name = find_effect(effect)->name;
   table.mistake(key, fmt::format("set, but the effect {} is not declared", name),
@@ -83,24 +83,31 @@ void EffectReader::read_list(text::TableReader& root) {
     const EffectInfo* found = item.kind == text::TomlKind::kText ? find_effect(item.text) : nullptr;
     if (found == nullptr) {
       const auto nearest = text::nearest_word(item.text, words);
-      diagnostics_.add({item.line, item.column, "effects",
-                        fmt::format("{} is not an effect{}", item.shown(),
-                                    nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
-                        effect_words()});
+      diagnostics_.add({.line = item.line,
+                        .column = item.column,
+                        .where = "effects",
+                        .what = fmt::format("{} is not an effect{}", item.shown(),
+                                            nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
+                        .accepted = effect_words()});
       continue;
     }
     bool& flag = scene_.effects.*found->declared;
-    if (flag) diagnostics_.add({item.line, item.column, "effects", item.shown() + " is there twice", "once"});
+    if (flag)
+      diagnostics_.add({.line = item.line,
+                        .column = item.column,
+                        .where = "effects",
+                        .what = item.shown() + " is there twice",
+                        .accepted = "once"});
     flag = true;
   }
 }
 
 void EffectReader::read_tables(text::TableReader& root) {
-  needs(root, "damping", &Effects::damping);
+  needs(root, "damping", &DeclaredEffects::damping);
   text::TableReader damping(root.table("damping"), "[damping]", diagnostics_);
   scene_.effect_data.damping = {damping.number("linear_per_s", 0, kRate), damping.number("angular_per_s", 0, kRate)};
   damping.finish();
-  needs(root, "drag", &Effects::drag);
+  needs(root, "drag", &DeclaredEffects::drag);
   text::TableReader drag(root.table("drag"), "[drag]", diagnostics_);
   density_kg_per_m3_ = drag.number("fluid_density_kg_per_m3", 0, {"a density", 0, 1e5});
   drag_coefficient_ = drag.number("coefficient", 0.5, {"a drag coefficient", 0, 100});
@@ -109,14 +116,14 @@ void EffectReader::read_tables(text::TableReader& root) {
 }
 
 EffectReader::Surface EffectReader::read_surface(text::TableReader& table) {
-  needs(table, "restitution", &Effects::restitution);
-  needs(table, "contact_radius_m", &Effects::torsional);
-  needs(table, "rolling_friction_m", &Effects::rolling);
+  needs(table, "restitution", &DeclaredEffects::restitution);
+  needs(table, "contact_radius_m", &DeclaredEffects::torsional);
+  needs(table, "rolling_friction_m", &DeclaredEffects::rolling);
   Surface surface;
   surface.restitution = table.number("restitution", 0, {"a coefficient of restitution", 0, 1});
   surface.patch.radius_m = table.number("contact_radius_m", 0, {"a radius", 0, 10});
   surface.patch.rolling_m = table.number("rolling_friction_m", 0, {"a length", 0, 10});
-  needs(table, "attraction_weight", &Effects::attraction);
+  needs(table, "attraction_weight", &DeclaredEffects::attraction);
   surface.attraction_weight = table.number("attraction_weight", 0, {"a weight", -1e3, 1e3});
   read_feel(table, surface);
   return surface;
@@ -124,7 +131,7 @@ EffectReader::Surface EffectReader::read_surface(text::TableReader& table) {
 
 // Keys of effects on the hand only: texture and transients.
 void EffectReader::read_feel(text::TableReader& table, Surface& surface) {
-  needs(table, "texture_height_m", &Effects::texture);
+  needs(table, "texture_height_m", &DeclaredEffects::texture);
   surface.grain.height_m = table.number("texture_height_m", 0, {"a height", 0, 0.01});
   surface.grain.wavelength_m = table.number("texture_wavelength_m", 0.002, {"a length", 1e-4, 1});
   const double slope = 2 * std::numbers::pi * surface.grain.height_m / surface.grain.wavelength_m;
@@ -132,7 +139,7 @@ void EffectReader::read_feel(text::TableReader& table, Surface& surface) {
     table.mistake(
         "texture_height_m", fmt::format("the grain's slope is {:.3g}", slope),
         fmt::format("at most texture_wavelength_m / {:.3g}: a slope of 1", 2 * std::numbers::pi / kSteepestGrain));
-  needs(table, "transient_strength_Ns_per_m", &Effects::transients);
+  needs(table, "transient_strength_Ns_per_m", &DeclaredEffects::transients);
   surface.ringing.strength_Ns_per_m =
       table.number("transient_strength_Ns_per_m", 0, {"newtons for a metre per second", 0, 1e3});
   surface.ringing.frequency_Hz = table.number("transient_frequency_Hz", 150, {"a frequency", 10, 400});
@@ -152,7 +159,7 @@ void EffectReader::read_body(text::TableReader& table, Body& body) {
   const std::string name = table.text("name", "", 100);
   if (!name.empty() && !ids_.emplace(name, body.id).second)
     table.mistake("name", fmt::format("\"{}\" is another body's name", name), "a name of its own");
-  needs(table, "kinematic", &Effects::kinematic);
+  needs(table, "kinematic", &DeclaredEffects::kinematic);
   if (table.flag("kinematic", false) && body.kind == BodyKind::kDynamic) return read_script(table, body);
   if (table.has("kinematic") && body.kind == BodyKind::kFixed && table.flag("kinematic", false))
     table.mistake("kinematic", "a fixed body does not move", "false, or no fixed");
@@ -196,7 +203,7 @@ void EffectReader::read_script(text::TableReader& table, Body& body) {
 
 void EffectReader::read_attraction(text::TableReader& root) {
   const auto nodes = root.array("attraction", physics::kMaxAttractionSources);
-  if (!nodes.empty()) needs(root, "attraction", &Effects::attraction);
+  if (!nodes.empty()) needs(root, "attraction", &DeclaredEffects::attraction);
   unsigned number = 0;
   for (const text::TomlNode& node : nodes) {
     text::TableReader t(&node, fmt::format("[attraction.{}]", ++number), diagnostics_);

@@ -41,7 +41,7 @@ class EffectReader {
   void finish(text::TableReader& root);
 
  private:
-  bool needs(text::TableReader& table, const char* key, bool Effects::*effect);
+  bool needs(text::TableReader& table, const char* key, bool DeclaredEffects::*effect);
   void read_feel(text::TableReader& table, Surface& surface);
   void read_script(text::TableReader& table, physics::Body& body);
   void read_joint(text::TableReader& table);

@@ -88,7 +88,7 @@ void HandReader::read(text::TableReader hand, HandScript& script, BodyId proxy) 
   if (recorded) {
     hand.refuse("path", "there is a file already", "path or file");
     const std::string word = hand.word("interpolation", "cubic", {"cubic", "linear"});
-    script.motion = word == "linear" ? HandMotion::kLinear : HandMotion::kCubic;
+    script.motion = word == "linear" ? haptics::HandMotion::kLinear : haptics::HandMotion::kCubic;
     read_file(hand);
   } else {
     hand.refuse("interpolation", "there is no file; between the way points of a path the motion is a smooth step",
@@ -104,7 +104,7 @@ void HandReader::read(text::TableReader hand, HandScript& script, BodyId proxy) 
 void HandReader::read_waypoint(const text::TomlNode& node, unsigned number) {
   text::TableReader t(&node, fmt::format("[hand] path.{}", number), diagnostics_);
   if (!t.there()) return;
-  HandWaypoint point;
+  ScriptWaypoint point;
   t.require("time_s", "a number");
   point.time_s = t.number("time_s", 0, {"a time", 0, 3600});
   point.position_m = t.vector("position_m", {}, {"a place", -1e4, 1e4});
@@ -159,7 +159,7 @@ void HandReader::add_rows(const std::vector<MotionRow>& rows) {
   auto& path = script_->path;
   for (const MotionRow& row : rows)
     path.push_back({row[0], {row[1], row[2], row[3]}, rotation_vector_of(unit_rotation_of(row))});
-  if (script_->motion != HandMotion::kCubic) return;
+  if (script_->motion != haptics::HandMotion::kCubic) return;
   // The velocity at a row is that of the parabola through it and its neighbours, limited against overshoot. At the ends
   // it is 0, or, in a path that repeats, computed from the neighbours across the repeat.
   const std::size_t last = rows.size() - 1;

@@ -23,7 +23,11 @@ bool read_points(std::span<const text::TomlNode> nodes, const std::string& where
   for (const text::TomlNode& node : nodes) {
     if (node.kind != text::TomlKind::kArray || node.items.size() != 3 ||
         !std::all_of(node.items.begin(), node.items.end(), is_coordinate)) {
-      diagnostics.add({node.line, node.column, where, node.shown() + " is not a place", "[x, y, z], finite numbers"});
+      diagnostics.add({.line = node.line,
+                       .column = node.column,
+                       .where = where,
+                       .what = node.shown() + " is not a place",
+                       .accepted = "[x, y, z], finite numbers"});
       return false;
     }
     points.push_back({node.items[0].number, node.items[1].number, node.items[2].number});

@@ -31,7 +31,7 @@ Quatd rotation_to(const Vec3d& axis) {
 
 void EffectReader::read_joints(text::TableReader& root) {
   const auto nodes = root.array("joint", kMaxSceneJoints);
-  if (!nodes.empty()) needs(root, "joint", &Effects::joints);
+  if (!nodes.empty()) needs(root, "joint", &DeclaredEffects::joints);
   unsigned number = 0;
   for (const text::TomlNode& node : nodes) {
     text::TableReader t(&node, fmt::format("[joint.{}]", ++number), diagnostics_);

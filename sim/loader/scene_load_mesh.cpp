@@ -16,8 +16,11 @@ bool read_numbers(text::TableReader& table, const char* key, std::size_t longest
   for (const text::TomlNode& node : table.array(key, longest)) {
     const bool is_number = node.kind == text::TomlKind::kNumber || node.kind == text::TomlKind::kInteger;
     if (!is_number || !std::isfinite(node.number)) {
-      diagnostics.add(
-          {node.line, node.column, table.name_of(key), node.shown() + " is not a number", "finite numbers"});
+      diagnostics.add({.line = node.line,
+                       .column = node.column,
+                       .where = table.name_of(key),
+                       .what = node.shown() + " is not a number",
+                       .accepted = "finite numbers"});
       return false;
     }
     numbers.push_back(node.number);

@@ -71,8 +71,10 @@ BodyCounts count_bodies(const Scene& scene) {
 std::vector<EffectReport> report_effects(const Scene& scene) {
   std::vector<EffectReport> reports;
   for (const auto& effect : known_effects())
-    reports.push_back(
-        {std::string(effect.name), scene.effects.*effect.declared, is_in_use(scene, effect), std::string(effect.cost)});
+    reports.push_back({.name = std::string(effect.name),
+                       .declared = scene.effects.*effect.declared,
+                       .used = is_in_use(scene, effect),
+                       .cost = std::string(effect.cost)});
   return reports;
 }
 
@@ -169,9 +171,10 @@ StartContacts find_start_contacts(const Scene& scene) {
 
 // The largest speed between two way points, by the kind of motion. `way`: the displacement. `v_a`, `v_b`: the
 // velocities at its ends, for a cubic, whose velocity is a parabola: sampled at seventeen points.
-double fastest_between(HandMotion motion, const Vec3d& way, double time_s, const Vec3d& v_a, const Vec3d& v_b) {
-  if (motion == HandMotion::kSmoothStep) return 15.0 / 8.0 * norm(way) / time_s;
-  if (motion == HandMotion::kLinear) return norm(way) / time_s;
+double fastest_between(haptics::HandMotion motion, const Vec3d& way, double time_s, const Vec3d& v_a,
+                       const Vec3d& v_b) {
+  if (motion == haptics::HandMotion::kSmoothStep) return 15.0 / 8.0 * norm(way) / time_s;
+  if (motion == haptics::HandMotion::kLinear) return norm(way) / time_s;
   double fastest = 0;
   for (int i = 0; i <= 16; ++i) {
     const double u = i / 16.0;
@@ -181,13 +184,13 @@ double fastest_between(HandMotion motion, const Vec3d& way, double time_s, const
   return fastest;
 }
 
-const char* word_of(HandMotion motion) {
+const char* word_of(haptics::HandMotion motion) {
   switch (motion) {
-    case HandMotion::kLinear:
+    case haptics::HandMotion::kLinear:
       return "linear";
-    case HandMotion::kCubic:
+    case haptics::HandMotion::kCubic:
       return "cubic";
-    case HandMotion::kSmoothStep:
+    case haptics::HandMotion::kSmoothStep:
       break;
   }
   return "smooth step";
@@ -214,7 +217,7 @@ HandReport report_hand(const Scene& scene, const haptics::DeviceProperties& devi
   for (std::size_t i = 0; i < path.size(); ++i) {
     note(norm(path[i].position_m - middle) / scene.device.motion_scale, report.farthest_m, i, report.farthest);
     if (i == 0) continue;
-    const HandWaypoint &a = path[i - 1], &b = path[i];
+    const ScriptWaypoint &a = path[i - 1], &b = path[i];
     const double time_s = b.time_s - a.time_s;
     note(fastest_between(scene.hand.motion, b.position_m - a.position_m, time_s, a.velocity_m_per_s,
                          b.velocity_m_per_s) /

@@ -59,7 +59,7 @@ struct HandReport {
 };
 
 // Sizes that determine the capacities of the haptic thread.
-struct CapacityReport {
+struct CapacityEstimate {
   unsigned member_cap{0}, members_possible{0};  // members_possible: dynamic bodies, at most the cap
   double contacts_per_body{0};                  // at the start
   unsigned sub_world_contacts{0};               // members_possible x contacts_per_body, rounded up: an estimate
@@ -79,7 +79,7 @@ struct SceneReport {
   std::vector<MeshAccount> meshes;
   StartContacts start;
   HandReport hand;
-  CapacityReport capacity;
+  CapacityEstimate capacity;
   std::vector<std::string> problems;  // reasons why the scene will not run well; empty: good
 
   // One of the rules of tools/session/verdict.h, from which every verdict follows.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rt/haptics/coupling/coupling_gains.h"
+#include "rt/haptics/hand_motion.h"
 #include "rt/physics/body.h"
 #include "rt/physics/effects/effects.h"
 #include "rt/physics/pose_spring.h"
@@ -19,7 +20,7 @@
 namespace tactus::sim {
 
 // The effects that a scene declares; others are not simulated. Their meaning: sim/model/scene_effects.cpp.
-struct Effects {
+struct DeclaredEffects {
   bool gravity{false}, friction{false}, gyroscopic{false}, sleeping{false};
   bool damping{false}, drag{false}, kinematic{false}, joints{false};
   bool torsional{false}, rolling{false}, restitution{false}, attraction{false};
@@ -51,27 +52,24 @@ struct SleepingChoice {
 
 // Pose of the device's frame in the scene, and the scale of its motion there. Power is conserved: the force on the hand
 // is motion_scale times the force in the scene.
-struct DevicePlacement {
+struct SceneDevice {
   Posed world_from_device;
   double motion_scale{1};
   std::string profile{"virtuose6d"};  // a simulated device: virtuose6d or desk3d
 };
 
 // The hand's scripted target at a time, world frame.
-struct HandWaypoint {
+struct ScriptWaypoint {
   double time_s{0};
   Vec3d position_m;
   Vec3d rotation_vector_rad;                               // of the tool, about the world's axes
   Vec3d velocity_m_per_s{}, angular_velocity_rad_per_s{};  // of the target there; for kCubic only
 };
 
-// Motion between way points: a smooth step (C2, at rest at each), a straight line, or a cubic spline (C1).
-enum class HandMotion { kSmoothStep, kLinear, kCubic };
-
 // A simulated hand: an arm's impedance that follows way points. Stiffness and damping are those of a human arm.
 struct HandScript {
-  std::vector<HandWaypoint> path;  // times ascending, from 0
-  HandMotion motion{HandMotion::kSmoothStep};
+  std::vector<ScriptWaypoint> path;  // times ascending, from 0
+  haptics::HandMotion motion{haptics::HandMotion::kSmoothStep};
   std::string file;   // of a recorded motion, as named in the scene; way point i is in its line i + kFirstMotionLine
   bool repeat{true};  // the path repeats; its last pose is then its first
   double stiffness_N_per_m{400}, damping_Ns_per_m{12}, mass_kg{0.5};
@@ -129,7 +127,7 @@ struct MeshAccount {
 // One hand of a scene: its proxy, the placement of its device, its coupling and its script.
 struct HandPart {
   BodyId proxy{kNoBody};
-  DevicePlacement device;
+  SceneDevice device;
   haptics::CouplingGains coupling;  // of device and proxy, world units
   HandScript hand;
 };
@@ -139,7 +137,7 @@ inline constexpr unsigned kMaxHands = physics::kMaxSprings;  // of a scene
 struct Scene {
   std::string name;   // file stem
   std::string title;  // one line for people
-  Effects effects;
+  DeclaredEffects effects;
   EffectData effect_data;  // worlds refer to it
   Vec3d gravity_m_per_s2{0, 0, -9.81};
   std::vector<physics::Body> bodies;                    // bodies[i].id == i
@@ -149,7 +147,7 @@ struct Scene {
   std::vector<std::shared_ptr<const void>> shape_data;  // owns what meshes and compounds refer to; copies share it
   std::vector<MeshAccount> mesh_accounts;               // of each mesh
   BodyId proxy{kNoBody};
-  DevicePlacement device;
+  SceneDevice device;
   haptics::CouplingGains coupling;  // of device and proxy, world units
   HandScript hand;
   std::vector<HandPart> more_hands;  // beside the one above; at most kMaxHands - 1

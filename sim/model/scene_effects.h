@@ -15,7 +15,7 @@ namespace tactus::sim {
 
 struct EffectInfo {
   std::string_view name;  // in the scene's list
-  bool Effects::*declared;
+  bool DeclaredEffects::*declared;
   bool (*used)(const Scene& scene);  // true if it would act on something in the scene
   std::string_view unused;           // reason why it would not
   std::string_view cost;             // added computation in a tick
@@ -23,9 +23,9 @@ struct EffectInfo {
 };
 
 std::span<const EffectInfo> known_effects() noexcept;
-const EffectInfo* find_effect(std::string_view name) noexcept;    // null: unknown
-const EffectInfo* find_effect(bool Effects::*declared) noexcept;  // never null
-std::string effect_words();                                       // all names, for messages
+const EffectInfo* find_effect(std::string_view name) noexcept;            // null: unknown
+const EffectInfo* find_effect(bool DeclaredEffects::*declared) noexcept;  // never null
+std::string effect_words();                                               // all names, for messages
 // True if the effect is declared and used.
 bool is_in_use(const Scene& scene, const EffectInfo& effect);
 

@@ -34,7 +34,7 @@ TEST_CASE("a device with a plain configuration does what its controller alone do
 }
 
 TEST_CASE("a device says who it is") {
-  DeviceBench b(bench_config(), make_identity(DeviceClass::kVirtuose6, "TACTUS-0042"));
+  DeviceBench b(bench_config(), make_identity(MechanismClass::kVirtuose6, "TACTUS-0042"));
   CHECK(b.read(number::kProtocol) == kProtocolVersion);
   CHECK(b.read(number::kRevision) == kRegisterRevision);
   CHECK(b.read(number::kFirmware) == kFirmwareVersion);

@@ -35,7 +35,7 @@ std::string error_of(const std::string& text) {
 TEST_CASE("mechanics file: every value arrives, and what is not given is not there", "[firmware]") {
   MechanicsDescription d;
   REQUIRE(parse_mechanics(kGood, "board", d) == "");
-  CHECK(d.device_class == DeviceClass::kDesk3);
+  CHECK(d.device_class == MechanismClass::kDesk3);
   CHECK(d.control.max_force_N == 10.0f);
   CHECK(d.stop_line.path == "/s");
   CHECK(d.stop_line.active == '0');

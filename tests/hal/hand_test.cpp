@@ -128,7 +128,7 @@ namespace {
 // Uneven times, a turn about another axis in each leg, velocities that no neighbour suggests.
 HandModel cubic_hand() {
   HandParameters p;
-  p.motion = HandMotion::kCubic;
+  p.motion = haptics::HandMotion::kCubic;
   const std::vector<HandWaypoint> path{{0, {0, 0, 0}, {0, 0, 0}, {0.1, 0, 0}, {0, 0.5, 0}},
                                        {0.4, {0.03, 0.01, 0}, {0.3, 0, 0.2}, {0.05, -0.1, 0.02}, {1, 0, -0.5}},
                                        {1.0, {0.02, -0.04, 0.02}, {0.3, 0.9, 0}, {0, 0.2, 0}, {0, 0, 2}},
@@ -140,7 +140,7 @@ HandModel cubic_hand() {
 
 TEST_CASE("a linear target is a share of the way and the turn, at a constant speed in each leg") {
   HandParameters p;
-  p.motion = HandMotion::kLinear;
+  p.motion = haptics::HandMotion::kLinear;
   const HandModel hand(p, kPath);
   const HandTarget t = hand.target_at(0.6);
   CHECK(difference(t.pose.position, {0.02, 0, 0}) < 1e-15);

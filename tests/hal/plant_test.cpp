@@ -60,7 +60,7 @@ TEST_CASE("a hand that pushes accelerates device and hand by its wrench, and its
   CHECK(plant.twist().linear.z == Approx(-6.0 * 0.5 / 0.8).epsilon(1e-12));
   CHECK(plant.twist().angular.x == Approx(0.001 * 0.5 / 4e-3).epsilon(1e-12));
   CHECK(plant.hand_wrench().force.z == -6.0);
-  CHECK(plant.energy().hand + plant.energy().motors == Approx(plant.kinetic_energy_J()).epsilon(1e-12));
+  CHECK(plant.work().hand + plant.work().motors == Approx(plant.kinetic_energy_J()).epsilon(1e-12));
 }
 
 TEST_CASE("the hand's mass is carried along") {
@@ -209,7 +209,7 @@ TEST_CASE("stops end the motion outwards, leave that along them, and give no ene
   }
   CHECK(plant.coordinates()[4] == -kPitchLimit_rad);
   CHECK(std::abs(plant.twist().angular.y) < 1e-12);
-  CHECK(plant.energy().stops < 0.0);
+  CHECK(plant.work().stops < 0.0);
   run(plant, 0.05, {-5, 0, 0, 0, 0.01, 0});
   CHECK(norm(plant.pose().position) < 0.099);
   CHECK(plant.coordinates()[4] > -kPitchLimit_rad);
@@ -237,14 +237,14 @@ TEST_CASE("kinetic energy is the sum of the works, and friction only takes") {
       target.twist = {{angle(random), 0, 0}, {0, angle(random), 0}};
     }
     plant.step(kStep_s, e, i % 1000 > 900, target);
-    const EnergyBalance& b = plant.energy();
+    const PlantWork& b = plant.work();
     const double sum = b.motors + b.hand + b.viscous + b.coulomb + b.stops;
     REQUIRE(plant.kinetic_energy_J() == Approx(sum).margin(1e-9));
   }
-  CHECK(plant.energy().viscous < 0.0);
-  CHECK(plant.energy().coulomb < 0.0);
-  CHECK(plant.energy().stops < 0.0);
-  CHECK(plant.energy().hand > 0.0);
+  CHECK(plant.work().viscous < 0.0);
+  CHECK(plant.work().coulomb < 0.0);
+  CHECK(plant.work().stops < 0.0);
+  CHECK(plant.work().hand > 0.0);
 }
 
 TEST_CASE("an arm's tool moves as the forces say, not as its joints bend") {
@@ -285,9 +285,9 @@ TEST_CASE("an arm's stops end the motion outwards, leave that along them, and gi
     plant.step(kStep_s, arm.efforts_of(plant.coordinates(), push), false, {});
     REQUIRE(norm(plant.pose().position) <= 0.2 * (1 + 1e-9));
     REQUIRE(std::abs(plant.coordinates()[4]) <= kPitchLimit_rad);
-    REQUIRE(plant.energy().stops <= highest_stops);
-    highest_stops = plant.energy().stops;
-    const EnergyBalance& b = plant.energy();
+    REQUIRE(plant.work().stops <= highest_stops);
+    highest_stops = plant.work().stops;
+    const PlantWork& b = plant.work();
     REQUIRE(plant.kinetic_energy_J() == Approx(b.motors + b.stops).margin(1e-9));
   }
   CHECK(highest_stops < -0.1);

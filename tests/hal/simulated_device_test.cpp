@@ -180,11 +180,11 @@ TEST_CASE("the energy balance of a whole run is complete") {
     rig.command.wrench.force = {std::sin(i * 0.01) * 5, 2, 0};
     rig.command.wrench.torque = {0, 0.05, 0};
     rig.tick();
-    const EnergyBalance& b = rig.device.plant().energy();
+    const PlantWork& b = rig.device.plant().work();
     REQUIRE(rig.device.plant().kinetic_energy_J() ==
             Approx(b.motors + b.hand + b.viscous + b.coulomb + b.stops).margin(1e-9));
   }
-  CHECK(rig.device.plant().energy().motors != 0.0);
+  CHECK(rig.device.plant().work().motors != 0.0);
 }
 
 TEST_CASE("a desk device feels no torque and reports none of it") {

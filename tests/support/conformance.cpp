@@ -82,7 +82,7 @@ std::string ConformanceDevice::answer(const std::string& line) {
 }
 
 void ConformanceDevice::restart() {
-  device_.emplace(bench_config(), make_identity(DeviceClass::kUnknown, "T0042"));
+  device_.emplace(bench_config(), make_identity(MechanismClass::kUnknown, "T0042"));
   inputs_ = {};
   outputs_ = {};
   splitter_ = {};

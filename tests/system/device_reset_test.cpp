@@ -100,7 +100,7 @@ class ResetLink {
 hal::HandModel pressing_hand(double speed_m_per_s) {
   constexpr double kWhole_s = 5;
   hal::HandParameters parameters;
-  parameters.motion = hal::HandMotion::kLinear;
+  parameters.motion = haptics::HandMotion::kLinear;
   const std::vector<hal::HandWaypoint> path = {{0.0, {0, 0, -0.008}, {}},
                                                {kWhole_s, {0, 0, -0.008 - kWhole_s * speed_m_per_s}, {}}};
   return hal::HandModel(parameters, path);

@@ -80,7 +80,7 @@ struct HilBench {
         bench(link, profile, provoker, stepped(options)) {}
 
   // The finding of one check, with all that comes before and after it.
-  hil::Finding check(const char* name) {
+  hil::CheckFinding check(const char* name) {
     const auto report = run_suite(bench, {{name}, true}, {});
     REQUIRE(report.checks.size() == 1);
     INFO(name << ": " << report.checks.front().finding.reason);
@@ -99,7 +99,7 @@ struct HilBench {
   hil::Bench bench;
 };
 
-inline double figure(const hil::Finding& finding, const std::string& name) {
+inline double figure(const hil::CheckFinding& finding, const std::string& name) {
   for (const hil::Figure& f : finding.figures)
     if (f.name == name) return f.value;
   FAIL("no figure " << name);

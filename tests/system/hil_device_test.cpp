@@ -87,8 +87,8 @@ TEST_CASE("hil: a device without samples while it is pushed gets no force after 
   CHECK(truth.silent);
   CHECK(truth.pushed <= 10);
   CHECK(truth.last_wanted == DeviceState::kBrake);
-  const hil::Finding& finding = check_of(report, "force").finding;
-  CHECK(finding.verdict == hil::Verdict::kBad);
+  const hil::CheckFinding& finding = check_of(report, "force").finding;
+  CHECK(finding.verdict == hil::CheckVerdict::kBad);
   CHECK_THAT(finding.reason, Catch::Contains("ten periods in a row without a sample") && Catch::Contains("it is mute"));
   CHECK_THAT(report.left_in, Catch::Contains("it is mute"));
 }
@@ -144,7 +144,7 @@ TEST_CASE("hil: an arm of drives on simulated drives is good in every check, and
     const hil::SuiteReport report = run(opened);
     for (const hil::CheckReport& one : report.checks) {
       INFO(to_line(one));
-      CHECK(one.finding.verdict == hil::Verdict::kGood);
+      CHECK(one.finding.verdict == hil::CheckVerdict::kGood);
     }
     CHECK(report.checks.size() == hil::device_checks().size());
   }
@@ -155,7 +155,7 @@ TEST_CASE("hil: without the operator's consent no check enables a drive") {
   const hil::SuiteReport report = run(opened, false);
   for (const hil::CheckReport& one : report.checks)
     CHECK(one.finding.verdict ==
-          ((one.check->needs & hil::kMotors) != 0 ? hil::Verdict::kSkipped : hil::Verdict::kGood));
+          ((one.check->needs & hil::kMotors) != 0 ? hil::CheckVerdict::kSkipped : hil::CheckVerdict::kGood));
 }
 
 TEST_CASE("hil: a device that keeps its force is bad in every check that wants it to end") {
@@ -163,5 +163,5 @@ TEST_CASE("hil: a device that keeps its force is bad in every check that wants i
   const hil::SuiteReport report = run(opened);
   CHECK_FALSE(report.good());
   for (const char* name : {"enable", "brake", "not-finite", "watchdog"})
-    CHECK(check_of(report, name).finding.verdict == hil::Verdict::kBad);
+    CHECK(check_of(report, name).finding.verdict == hil::CheckVerdict::kBad);
 }

@@ -8,7 +8,7 @@
 using namespace tactus;
 using namespace tactus::test;
 using Catch::Matchers::Contains;
-using hil::Verdict;
+using hil::CheckVerdict;
 
 TEST_CASE("hil: a good device passes every check that applies to it") {
   const char* profile = GENERATE("virtuose6d", "desk3d");
@@ -21,7 +21,7 @@ TEST_CASE("hil: a good device passes every check that applies to it") {
   for (const auto& one : report.checks) {
     INFO(profile << ", " << one.check->name << ": " << one.finding.measured << "; " << one.finding.reason);
     const bool for_can = std::string(one.check->name) == "bus-off";
-    CHECK(one.finding.verdict == (for_can ? Verdict::kSkipped : Verdict::kGood));
+    CHECK(one.finding.verdict == (for_can ? CheckVerdict::kSkipped : CheckVerdict::kGood));
   }
   CHECK(report.good());
 }
@@ -42,9 +42,9 @@ TEST_CASE("hil: without leave the motors stay off, and without --force nothing i
   HilBench bench;
   const auto report = run_suite(bench.bench, {{"watchdog", "force", "losses"}, false}, {});
   REQUIRE(report.checks.size() == 3);
-  CHECK(report.checks[0].finding.verdict == Verdict::kGood);  // losses, in the table's order
-  CHECK(report.checks[1].finding.verdict == Verdict::kSkipped);
-  CHECK(report.checks[2].finding.verdict == Verdict::kSkipped);
+  CHECK(report.checks[0].finding.verdict == CheckVerdict::kGood);  // losses, in the table's order
+  CHECK(report.checks[1].finding.verdict == CheckVerdict::kSkipped);
+  CHECK(report.checks[2].finding.verdict == CheckVerdict::kSkipped);
   // At rest it never left IDLE: no motor had an effort.
   const auto& device = bench.link.as<TamperedLink>()->bench.truth();
   CHECK(device.device().controller().state() == firmware::State::kIdle);
@@ -68,7 +68,7 @@ TEST_CASE("hil: a push goes the way that it should, as far as a mass under a for
 TEST_CASE("hil: the force limit is as it was after the check of saturation") {
   HilBench bench;
   const auto before = bench.bench.read(firmware::number::kMaxForce);
-  CHECK(bench.check("saturation").verdict == Verdict::kGood);
+  CHECK(bench.check("saturation").verdict == CheckVerdict::kGood);
   const auto after = bench.bench.read(firmware::number::kMaxForce);
   REQUIRE((before.ok() && after.ok()));
   CHECK(before.value() == after.value());
@@ -79,7 +79,7 @@ TEST_CASE("hil: lost, repeated and renumbered frames are each found and named") 
   SECTION("lost") {
     HilBench bench({.lose_state = every(100)});
     const auto finding = bench.check("losses");
-    CHECK(finding.verdict == Verdict::kBad);
+    CHECK(finding.verdict == CheckVerdict::kBad);
     CHECK_THAT(finding.reason, Contains("lost"));
     CHECK(figure(finding, "lost") == Approx(50).margin(1));
     CHECK(figure(finding, "unaccounted") == 0);
@@ -87,7 +87,7 @@ TEST_CASE("hil: lost, repeated and renumbered frames are each found and named") 
   SECTION("a few lost are counted, and good") {
     HilBench bench({.lose_state = every(2000)});
     const auto finding = bench.check("losses");
-    CHECK(finding.verdict == Verdict::kGood);
+    CHECK(finding.verdict == CheckVerdict::kGood);
     CHECK(figure(finding, "lost") >= 1);
   }
   SECTION("lost in a row") {
@@ -97,14 +97,14 @@ TEST_CASE("hil: lost, repeated and renumbered frames are each found and named") 
   SECTION("repeated") {
     HilBench bench({.repeat_state = every(500)});
     const auto finding = bench.check("losses");
-    CHECK(finding.verdict == Verdict::kBad);
+    CHECK(finding.verdict == CheckVerdict::kBad);
     CHECK(figure(finding, "duplicated") == Approx(10).margin(1));
   }
   SECTION("in the wrong order") {
     HilBench bench(
         {.alter_state = [&](std::uint64_t i, firmware::StateFrame& f) { f.sequence -= i % 1000 == 999 ? 5 : 0; }});
     const auto finding = bench.check("losses");
-    CHECK(finding.verdict == Verdict::kBad);
+    CHECK(finding.verdict == CheckVerdict::kBad);
     CHECK(figure(finding, "reordered") == 5);
   }
 }
@@ -120,7 +120,7 @@ TEST_CASE("hil: a command with NaN that a newer one replaces is sent again") {
   }
   SECTION("always: that the device brakes is not shown") {
     HilBench bench({.supersede_command = has_nan});
-    CHECK(bench.check("not-finite").verdict == Verdict::kBad);
+    CHECK(bench.check("not-finite").verdict == CheckVerdict::kBad);
   }
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("hil: a device clock that runs fast is told to the part in a million")
   }});
   const auto finding = bench.check("clock");
   CHECK(figure(finding, "drift_ppm") == Approx(ppm).margin(1));
-  CHECK((finding.verdict == Verdict::kBad) == (std::abs(ppm) > 500));
+  CHECK((finding.verdict == CheckVerdict::kBad) == (std::abs(ppm) > 500));
 }
 
 TEST_CASE("hil: a device that brakes late, or forgets that it braked, is bad") {
@@ -142,7 +142,7 @@ TEST_CASE("hil: a device that brakes late, or forgets that it braked, is bad") {
         f.missed_commands = static_cast<std::uint8_t>(f.missed_commands + 4);
     }});
     const auto finding = bench.check("watchdog");
-    CHECK(finding.verdict == Verdict::kBad);
+    CHECK(finding.verdict == CheckVerdict::kBad);
     CHECK_THAT(finding.reason, Contains("when it should"));
   }
   SECTION("an e-stop that is told and does not brake") {
@@ -153,7 +153,7 @@ TEST_CASE("hil: a device that brakes late, or forgets that it braked, is bad") {
       }
     }});
     const auto finding = bench.check("e-stop");
-    CHECK(finding.verdict == Verdict::kBad);
+    CHECK(finding.verdict == CheckVerdict::kBad);
     CHECK_THAT(finding.reason, Contains("never braked"));
   }
   const std::uint16_t stop_line = bit_of(firmware::Limit::kStopLine);
@@ -165,7 +165,7 @@ TEST_CASE("hil: a device that brakes late, or forgets that it braked, is bad") {
     }});
     const auto finding = bench.check("e-stop");
     CHECK(figure(finding, "frames_to_safe") == 4);
-    CHECK(finding.verdict == Verdict::kBad);
+    CHECK(finding.verdict == CheckVerdict::kBad);
   }
   SECTION("an e-stop that is forgotten when it is released") {
     HilBench bench({.alter_state = [&](std::uint64_t, firmware::StateFrame& f) {
@@ -197,7 +197,7 @@ TEST_CASE("hil: a device of another description is found by its identity") {
   other.quantum[1] *= 2;
   hil::Bench suspicious(bench.link, other, bench.provoker, bench.options);
   const auto report = run_suite(suspicious, {{"identity"}, true}, {});
-  CHECK(report.checks.front().finding.verdict == Verdict::kBad);
+  CHECK(report.checks.front().finding.verdict == CheckVerdict::kBad);
   CHECK_THAT(report.checks.front().finding.reason, Contains("axis 1") && Contains("quantum"));
   hil::HilOptions fast = bench.options;
   fast.rate_Hz = 2000;
@@ -209,7 +209,7 @@ TEST_CASE("hil: a check that leaves the device in BRAKE for good is bad, whateve
   HilBench bench;
   bench.link.as<TamperedLink>()->bench.stop_line = true;  // nobody releases it
   const auto finding = bench.check("losses");
-  CHECK(finding.verdict == Verdict::kBad);
+  CHECK(finding.verdict == CheckVerdict::kBad);
   CHECK_THAT(finding.reason, Contains("e-stop"));
 }
 
@@ -231,7 +231,7 @@ TEST_CASE("hil: on the loop's own thread every period is a record", "[threads]")
   const auto report = run_suite(bench, {{"e-stop", "unplug", "watchdog"}, true}, {});
   for (const auto& one : report.checks) {
     INFO(one.check->name << ": " << one.finding.reason);
-    CHECK(one.finding.verdict == Verdict::kGood);
+    CHECK(one.finding.verdict == CheckVerdict::kGood);
   }
 }
 
@@ -239,7 +239,7 @@ TEST_CASE("hil: reports count what they show, and XML and JSON hold any text") {
   HilBench bench;
   hil::SuiteReport report = run_suite(bench.bench, {{"losses", "bus-off", "clock"}, true}, {});
   report.device = "usb:<\"&'>";
-  report.checks[1].finding.verdict = Verdict::kBad;
+  report.checks[1].finding.verdict = CheckVerdict::kBad;
   report.checks[1].finding.reason = "a < b & c > \"d\"\n";
   const std::string xml = to_junit(report);
   CHECK_THAT(xml, Contains("tests=\"3\" failures=\"1\" skipped=\"1\""));
@@ -261,6 +261,6 @@ TEST_CASE("hil: a fault is provoked by a command, and skipped where the command 
   CHECK_FALSE(no->set("estop", true).ok());
   hil::Bench refused(bench.link, bench.profile, *no, bench.options);
   const auto report = run_suite(refused, {{"e-stop", "unplug", "broken-states"}, true}, {});
-  for (const auto& one : report.checks) CHECK(one.finding.verdict == Verdict::kSkipped);
+  for (const auto& one : report.checks) CHECK(one.finding.verdict == CheckVerdict::kSkipped);
   CHECK_FALSE(report.good());  // nothing was seen to be good
 }

@@ -108,7 +108,7 @@ bool obey(const std::string& line, HostileLink<Link>& link, Link& true_link, Sim
   } else if (name == "serial") {
     restart.identity = firmware::make_identity(restart.identity.device_class, line.substr(space + 1));
   } else if (name == "class") {
-    restart.identity.device_class = static_cast<firmware::DeviceClass>(value);
+    restart.identity.device_class = static_cast<firmware::MechanismClass>(value);
   } else if (name == "period_us") {
     restart.config.period_us = static_cast<std::uint32_t>(value);
   } else if (name == "read") {
@@ -154,7 +154,7 @@ int run(const Options& options, Link& true_link) {
   if (profile == nullptr) fail("the scene's device profile is none");
   const std::uint32_t period_us = 1'000'000 / options.rate_Hz;
   const firmware::Config config = hal::firmware_config(*profile, period_us);
-  Restart restart{firmware::make_identity(firmware::DeviceClass::kVirtuose6, options.serial), config};
+  Restart restart{firmware::make_identity(firmware::MechanismClass::kVirtuose6, options.serial), config};
   firmware::Device device(config, restart.identity);
   SimulatedBoard board(*profile, hand_of(scene, options.still), config);
   if (options.stop_line >= 0)

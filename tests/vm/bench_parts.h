@@ -66,7 +66,7 @@ inline sim::Scene read_scene(const std::string& file) {
 inline hal::HandModel hand_of(const sim::Scene& scene, bool still) {
   const Posed device_from_world = inverse(scene.device.world_from_device);
   std::vector<hal::HandWaypoint> path;
-  for (const sim::HandWaypoint& point : scene.hand.path) {
+  for (const sim::ScriptWaypoint& point : scene.hand.path) {
     const Quatd turn = device_from_world.rotation * quat_from_rotation_vector(point.rotation_vector_rad);
     path.push_back({point.time_s, (device_from_world * point.position_m) * (1.0 / scene.device.motion_scale),
                     hal::rotation_vector_of(turn)});

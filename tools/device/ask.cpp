@@ -45,7 +45,9 @@ Result<std::uint32_t> ask(hal::AnyLink& link, Operation operation, const Registe
   std::array<std::byte, firmware::kMaxFrameSize> dropped;
   for (unsigned i = 0; i < kBusyTries; ++i) {
     const auto tag = static_cast<std::uint8_t>(i + 1);
-    const auto reply = link.call({operation, ServiceStatus::kGood, tag, number, value}, kPatience);
+    const auto reply = link.call(
+        {.operation = operation, .status = ServiceStatus::kGood, .tag = tag, .address = number, .value = value},
+        kPatience);
     if (!reply.ok()) return Status::error(fmt::format("{}: {}", name_of(row, index), reply.message()));
     status = reply.value().status;
     if (status == ServiceStatus::kGood) return reply.value().value;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/kinematics/reach.h"
+#include "hal/kinematics/workspace_bounds.h"
 #include "rt/base/rotation_vector.h"
 
 namespace tactus::device {

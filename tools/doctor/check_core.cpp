@@ -40,7 +40,7 @@ bool core_in(const CheckContext& p, const char* shown, const char* parameter) {
 
 }  // namespace
 
-Finding check_cores(const CheckContext& p) {
+MachineFinding check_cores(const CheckContext& p) {
   const auto online = parse_cpu_list(p.system.read("/sys/devices/system/cpu/online").value_or(""));
   const std::uint32_t allowed = p.system.process().cpus_allowed;
   if (online && !online->empty() && !contains(*online, p.cpu))
@@ -60,21 +60,21 @@ Finding check_cores(const CheckContext& p) {
   return green("cores", fmt::format("{} cores, the loop on cpu {}", count, p.cpu));
 }
 
-Finding check_isolation(const CheckContext& p) {
+MachineFinding check_isolation(const CheckContext& p) {
   if (core_in(p, "/sys/devices/system/cpu/isolated", "isolcpus"))
     return green("isolation", fmt::format("cpu {} is kept free of other threads", p.cpu));
   return amber("isolation", fmt::format("cpu {} is shared: the scheduler may put any thread there", p.cpu),
                fmt::format("boot with isolcpus={}", p.cpu), boot_with(p, "isolcpus", "managed_irq,domain,"));
 }
 
-Finding check_timer_ticks(const CheckContext& p) {
+MachineFinding check_timer_ticks(const CheckContext& p) {
   if (core_in(p, "/sys/devices/system/cpu/nohz_full", "nohz_full"))
     return green("timer-ticks", fmt::format("the kernel's tick leaves cpu {} alone", p.cpu));
   return amber("timer-ticks", fmt::format("the kernel's tick interrupts cpu {} up to 1000 times a second", p.cpu),
                fmt::format("boot with nohz_full={}", p.cpu), boot_with(p, "nohz_full"));
 }
 
-Finding check_rcu(const CheckContext& p) {
+MachineFinding check_rcu(const CheckContext& p) {
   // nohz_full implies it.
   if (core_in(p, nullptr, "rcu_nocbs") || core_in(p, "/sys/devices/system/cpu/nohz_full", "nohz_full"))
     return green("rcu", fmt::format("the kernel's deferred work runs elsewhere than on cpu {}", p.cpu));
@@ -82,7 +82,7 @@ Finding check_rcu(const CheckContext& p) {
                fmt::format("boot with rcu_nocbs={}", p.cpu), boot_with(p, "rcu_nocbs"));
 }
 
-Finding check_governor(const CheckContext& p) {
+MachineFinding check_governor(const CheckContext& p) {
   const std::string file = cpu_folder(p.cpu) + "/cpufreq/scaling_governor";
   const auto governor = p.system.read(file);
   if (!governor) return green("governor", "this kernel does not change the core's clock");
@@ -91,7 +91,7 @@ Finding check_governor(const CheckContext& p) {
                "choose the governor performance", "echo performance > " + file);
 }
 
-Finding check_idle_states(const CheckContext& p) {
+MachineFinding check_idle_states(const CheckContext& p) {
   const std::string folder = cpu_folder(p.cpu) + "/cpuidle/";
   long slowest_us = 0;
   for (const std::string& state : p.system.list(folder)) {
@@ -116,7 +116,7 @@ Finding check_idle_states(const CheckContext& p) {
                          p.system.process().user));
 }
 
-Finding check_sibling(const CheckContext& p) {
+MachineFinding check_sibling(const CheckContext& p) {
   const auto text = p.system.read(cpu_folder(p.cpu) + "/topology/thread_siblings_list");
   auto siblings = parse_cpu_list(text.value_or(""));
   if (!text || !siblings)
@@ -133,7 +133,7 @@ Finding check_sibling(const CheckContext& p) {
       fmt::format("echo 0 > {}/online", cpu_folder(other)));
 }
 
-Finding check_interrupts(const CheckContext& p) {
+MachineFinding check_interrupts(const CheckContext& p) {
   std::string numbers, commands;
   int count = 0;
   const std::vector<std::string> of_bus = bus_interrupt_lines(p);
@@ -166,7 +166,7 @@ Finding check_interrupts(const CheckContext& p) {
       commands);
 }
 
-Finding check_smi(const CheckContext& p) {
+MachineFinding check_smi(const CheckContext& p) {
   const std::string file = fmt::format("/dev/cpu/{}/msr", p.cpu);
   const auto count = p.system.read_word(file, kSmiCounter);
   if (!count)

@@ -28,21 +28,22 @@ std::string chosen_word(const std::string& text) {
 
 // /sys/kernel/realtime is not present in every PREEMPT_RT kernel (the patch has it, the mainline kernel does not); if
 // it is missing, the version text decides.
-Finding check_kernel(const CheckContext& context) {
+MachineFinding check_kernel(const CheckContext& context) {
   const std::string version = context.system.read("/proc/version").value_or("");
   const std::string release = context.system.read("/proc/sys/kernel/osrelease").value_or("an unknown kernel");
   const auto flag = context.system.read("/sys/kernel/realtime");
   const bool by_version =
       version.find("PREEMPT_RT") != std::string::npos || version.find("PREEMPT RT") != std::string::npos;
   if (flag ? *flag == "1" : by_version) return green("kernel", release + " is a PREEMPT_RT kernel");
-  Finding finding = red("kernel", release + " is not a PREEMPT_RT kernel: any wake-up may come milliseconds late",
-                        "install and boot a PREEMPT_RT kernel (Debian: linux-image-rt-amd64)",
-                        "apt install linux-image-rt-amd64   # then reboot");
+  MachineFinding finding =
+      red("kernel", release + " is not a PREEMPT_RT kernel: any wake-up may come milliseconds late",
+          "install and boot a PREEMPT_RT kernel (Debian: linux-image-rt-amd64)",
+          "apt install linux-image-rt-amd64   # then reboot");
   finding.distorts = true;
   return finding;
 }
 
-Finding check_machine(const CheckContext& context) {
+MachineFinding check_machine(const CheckContext& context) {
   const std::string cpuinfo = context.system.read("/proc/cpuinfo").value_or("");
   const auto at = cpuinfo.find("model name");
   std::string model = "an unknown CPU";
@@ -54,13 +55,14 @@ Finding check_machine(const CheckContext& context) {
   const std::string flag_line =
       flags == std::string::npos ? "" : cpuinfo.substr(flags, cpuinfo.find('\n', flags + 1) - flags);
   if ((flag_line + " ").find(" hypervisor ") == std::string::npos) return green("machine", model);
-  Finding finding = amber("machine", model + ", in a virtual machine: its host takes the cores away at will",
-                          "run on hardware; a guest needs cores pinned to it, and shows its host's gaps as its own");
+  MachineFinding finding =
+      amber("machine", model + ", in a virtual machine: its host takes the cores away at will",
+            "run on hardware; a guest needs cores pinned to it, and shows its host's gaps as its own");
   finding.distorts = true;
   return finding;
 }
 
-Finding check_clock_source(const CheckContext& context) {
+MachineFinding check_clock_source(const CheckContext& context) {
   const std::string folder = "/sys/devices/system/clocksource/clocksource0/";
   const auto now = context.system.read(folder + "current_clocksource");
   if (!now) return amber("clock", "the clock source cannot be read", "see whether /sys is mounted");
@@ -75,7 +77,7 @@ Finding check_clock_source(const CheckContext& context) {
                has_tsc ? "echo tsc > " + folder + "current_clocksource" : "");
 }
 
-Finding check_throttling(const CheckContext& context) {
+MachineFinding check_throttling(const CheckContext& context) {
   const auto runtime_us = number_in(context.system, "/proc/sys/kernel/sched_rt_runtime_us");
   const auto period_us = number_in(context.system, "/proc/sys/kernel/sched_rt_period_us");
   if (!runtime_us || !period_us) return green("throttling", "this kernel has no limit on real-time threads");
@@ -88,14 +90,14 @@ Finding check_throttling(const CheckContext& context) {
                "echo 'kernel.sched_rt_runtime_us = -1' > /etc/sysctl.d/61-tactus-throttling.conf");
 }
 
-Finding check_swap(const CheckContext& context) {
+MachineFinding check_swap(const CheckContext& context) {
   const auto swaps = context.system.read("/proc/swaps");
   if (!swaps || swaps->find('\n') == std::string::npos) return green("swap", "none");
   return amber("swap", "is on: pages that nobody locked may be on the disk when they are needed",
                "switch it off, or rely on the memory lock (see memory-limit)", "swapoff -a");
 }
 
-Finding check_huge_pages(const CheckContext& context) {
+MachineFinding check_huge_pages(const CheckContext& context) {
   const auto text = context.system.read("/sys/kernel/mm/transparent_hugepage/enabled");
   if (!text) return green("huge-pages", "this kernel makes none by itself");
   const std::string chosen = chosen_word(*text);

@@ -36,7 +36,7 @@ std::vector<std::string> lines_of_usb_bus(const SystemView& system, const std::s
 
 }  // namespace
 
-Finding check_usb(const CheckContext& context) {
+MachineFinding check_usb(const CheckContext& context) {
   if (const auto name = usb_device(context.system)) {
     const auto number = [&](const char* file) {
       return std::atoi(context.system.read(kUsbDevices + *name + file).value_or("0").c_str());
@@ -54,7 +54,7 @@ Finding check_usb(const CheckContext& context) {
              "plug it in and switch it on; lsusb shows what is there");
 }
 
-Finding check_can(const CheckContext& context, const std::string& name) {
+MachineFinding check_can(const CheckContext& context, const std::string& name) {
   if (!context.system.is_this_machine()) return amber("can", "not in a recorded tree", "ask on the machine itself");
   const auto interface = hal::find_can_interface(name);
   if (!interface.ok())
@@ -93,7 +93,7 @@ std::vector<std::string> bus_interrupt_lines(const CheckContext& context) {
 }
 
 // Bound to one core, a frame's interrupt waits only for the loop; distributed over several cores, for their other work.
-Finding check_bus_interrupt(const CheckContext& context) {
+MachineFinding check_bus_interrupt(const CheckContext& context) {
   std::string where, commands;
   bool spread = false;
   for (const std::string& line : bus_interrupt_lines(context)) {

@@ -14,7 +14,7 @@ std::string limits_file(const ProcessFacts& process, const char* line) {
 
 }  // namespace
 
-Finding check_priority_limit(const CheckContext& context) {
+MachineFinding check_priority_limit(const CheckContext& context) {
   const ProcessFacts& process = context.system.process();
   if (process.may_set_priority) return green("priority-limit", "this process may ask for any real-time priority");
   if (process.rtprio_limit >= kPriority)
@@ -26,7 +26,7 @@ Finding check_priority_limit(const CheckContext& context) {
              limits_file(process, "rtprio 98"));
 }
 
-Finding check_memory_limit(const CheckContext& context) {
+MachineFinding check_memory_limit(const CheckContext& context) {
   const ProcessFacts& process = context.system.process();
   if (process.may_lock_memory || process.memlock_limit_B == ~std::uint64_t{0})
     return green("memory-limit", "this process may lock all its memory");
@@ -37,7 +37,7 @@ Finding check_memory_limit(const CheckContext& context) {
       limits_file(process, "memlock unlimited"));
 }
 
-Finding check_gpio(const CheckContext& context) {
+MachineFinding check_gpio(const CheckContext& context) {
   std::string chips;
   for (const std::string& name : context.system.list("/dev")) {
     if (!name.starts_with("gpiochip")) continue;

@@ -9,7 +9,7 @@
 namespace tactus::doctor {
 namespace {
 
-using Check = Finding (*)(const CheckContext&);
+using Check = MachineFinding (*)(const CheckContext&);
 
 constexpr std::array<Check, 17> kAlways{check_kernel,      check_machine,    check_clock_source, check_throttling,
                                         check_swap,        check_huge_pages, check_cores,        check_isolation,
@@ -32,41 +32,41 @@ Report examine(const SystemView& system, const Request& request) {
 }
 
 bool Report::representative() const {
-  return std::none_of(findings.begin(), findings.end(), [](const Finding& f) { return f.distorts; });
+  return std::none_of(findings.begin(), findings.end(), [](const MachineFinding& f) { return f.distorts; });
 }
 
-Verdict Report::worst() const {
-  Verdict worst = Verdict::kGreen;
-  for (const Finding& finding : findings) worst = std::max(worst, finding.verdict);
+MachineVerdict Report::worst() const {
+  MachineVerdict worst = MachineVerdict::kGreen;
+  for (const MachineFinding& finding : findings) worst = std::max(worst, finding.verdict);
   return worst;
 }
 
-const char* name_of(Verdict verdict) {
+const char* name_of(MachineVerdict verdict) {
   constexpr std::array<const char*, 3> names{"green", "amber", "red"};
   return names[static_cast<std::size_t>(verdict)];
 }
 
-Finding green(const char* check, std::string found) {
+MachineFinding green(const char* check, std::string found) {
   return {.check = check,
-          .verdict = Verdict::kGreen,
+          .verdict = MachineVerdict::kGreen,
           .found = std::move(found),
           .remedy = {},
           .commands = {},
           .distorts = false};
 }
 
-Finding amber(const char* check, std::string found, std::string remedy, std::string commands) {
+MachineFinding amber(const char* check, std::string found, std::string remedy, std::string commands) {
   return {.check = check,
-          .verdict = Verdict::kAmber,
+          .verdict = MachineVerdict::kAmber,
           .found = std::move(found),
           .remedy = std::move(remedy),
           .commands = std::move(commands),
           .distorts = false};
 }
 
-Finding red(const char* check, std::string found, std::string remedy, std::string commands) {
+MachineFinding red(const char* check, std::string found, std::string remedy, std::string commands) {
   return {.check = check,
-          .verdict = Verdict::kRed,
+          .verdict = MachineVerdict::kRed,
           .found = std::move(found),
           .remedy = std::move(remedy),
           .commands = std::move(commands),

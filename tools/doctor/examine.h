@@ -12,11 +12,11 @@
 
 namespace tactus::doctor {
 
-enum class Verdict { kGreen, kAmber, kRed };
+enum class MachineVerdict { kGreen, kAmber, kRed };
 
-struct Finding {
+struct MachineFinding {
   std::string check;  // one word
-  Verdict verdict{Verdict::kGreen};
+  MachineVerdict verdict{MachineVerdict::kGreen};
   std::string found;     // the observed state, one line
   std::string remedy;    // one line; empty: none needed
   std::string commands;  // shell lines printed by --fix; empty: no command can fix it
@@ -33,13 +33,13 @@ struct Request {
 
 struct Report {
   int cpu{0};
-  std::vector<Finding> findings;
+  std::vector<MachineFinding> findings;
   bool representative() const;  // true: timing figures of this PC represent a dedicated PC
-  Verdict worst() const;
+  MachineVerdict worst() const;
 };
 
 Report examine(const SystemView& system, const Request& request);
 
-const char* name_of(Verdict verdict);
+const char* name_of(MachineVerdict verdict);
 
 }  // namespace tactus::doctor

@@ -19,6 +19,7 @@ bool mujoco_takes(const BoxScene&) { return false; }
 
 const std::vector<EngineKind>& engine_kinds() {
   constexpr bool kBullet = TACTUS_HAS_BULLET != 0, kOde = TACTUS_HAS_ODE != 0, kMujoco = TACTUS_HAS_MUJOCO != 0;
+  // Name, package, tuned, maker, available, iterations, which scenes.
   static const std::vector<EngineKind> kinds{
       {"tactus", "", false, make_tactus, true},
       {"bullet", "libbullet-dev", false, make_bullet, kBullet},
@@ -35,9 +36,24 @@ const std::vector<EngineKind>& compared_kinds() {
   static const std::vector<EngineKind> kinds = [] {
     constexpr bool kBullet = TACTUS_HAS_BULLET != 0, kOde = TACTUS_HAS_ODE != 0;
     std::vector<EngineKind> all = engine_kinds();
-    all.push_back({"bullet-tuned-4", "libbullet-dev", true, make_bullet, kBullet, 4});
-    all.push_back({"bullet-tuned-40", "libbullet-dev", true, make_bullet, kBullet, 40});
-    all.push_back({"ode-tuned-40", "libode-dev", true, make_ode, kOde, 40});
+    all.push_back({.name = "bullet-tuned-4",
+                   .package = "libbullet-dev",
+                   .tuned = true,
+                   .make = make_bullet,
+                   .available = kBullet,
+                   .iterations = 4});
+    all.push_back({.name = "bullet-tuned-40",
+                   .package = "libbullet-dev",
+                   .tuned = true,
+                   .make = make_bullet,
+                   .available = kBullet,
+                   .iterations = 40});
+    all.push_back({.name = "ode-tuned-40",
+                   .package = "libode-dev",
+                   .tuned = true,
+                   .make = make_ode,
+                   .available = kOde,
+                   .iterations = 40});
     return all;
   }();
   return kinds;

@@ -15,7 +15,7 @@ namespace tactus::experiment {
 
 struct ScalingCase {
   std::string sweep;  // sweep that the row belongs to: bodies, sub-steps, sizes, threads, stirred
-  PileSpec pile;
+  BoxPileSpec pile;
   unsigned sub_steps{4};
   double settle_s{2};
   std::uint32_t timed_steps{100};

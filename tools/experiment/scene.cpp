@@ -36,7 +36,7 @@ void add_walls(BoxScene& scene, double width_m, double height_m) {
 constexpr std::uint32_t kHulls = 16;
 
 // Random points on a sphere, all of them vertices; log-uniform sizes.
-void add_hulls(BoxScene& scene, const PileSpec& spec, Random& random) {
+void add_hulls(BoxScene& scene, const BoxPileSpec& spec, Random& random) {
   for (std::uint32_t k = 0; k < kHulls; ++k) {
     const double edge = spec.smallest_edge_m * std::pow(spec.largest_edge_m / spec.smallest_edge_m, k / (kHulls - 1.0));
     std::vector<Vec3d> points;
@@ -52,7 +52,7 @@ void add_hulls(BoxScene& scene, const PileSpec& spec, Random& random) {
 }
 
 // Sets the forms of placed bodies, and their masses.
-void give_forms(BoxScene& scene, const PileSpec& spec) {
+void give_forms(BoxScene& scene, const BoxPileSpec& spec) {
   Random random(spec.seed + 1);
   add_hulls(scene, spec, random);
   const double octaves = std::log(spec.largest_edge_m / spec.smallest_edge_m);
@@ -90,7 +90,7 @@ Cube cube_at(double edge_m, const Vec3d& at, Random& random) {
 }
 
 // Equal cubes on a square grid, layer upon layer. Returns the width of the box that holds them.
-double place_equal(BoxScene& scene, const PileSpec& spec, Random& random) {
+double place_equal(BoxScene& scene, const BoxPileSpec& spec, Random& random) {
   const double pitch = spec.smallest_edge_m * (1 + kGap);
   const std::uint32_t per_layer = (spec.cubes + spec.layers - 1) / spec.layers;
   std::uint32_t columns = 1;
@@ -105,7 +105,7 @@ double place_equal(BoxScene& scene, const PileSpec& spec, Random& random) {
 }
 
 // Cubes of many sizes: the depth of rows and the height of layers follow from their largest cube.
-double place_mixed(BoxScene& scene, const PileSpec& spec, Random& random) {
+double place_mixed(BoxScene& scene, const BoxPileSpec& spec, Random& random) {
   const double ratio = spec.largest_edge_m / spec.smallest_edge_m, shelf = spec.largest_edge_m * (1 + kGap);
   const double mean = (spec.largest_edge_m - spec.smallest_edge_m) / std::log(ratio) * (1 + kGap);
   const double width = std::max(2 * shelf, std::sqrt(spec.cubes * mean * shelf / spec.layers));
@@ -156,26 +156,27 @@ BoxScene make_rolling_boxes(std::string name, std::uint32_t boxes) {
 
 struct Named {
   std::string_view name;
-  PileSpec spec;
+  BoxPileSpec spec;
   std::uint32_t timed_steps;
   bool terrain{false};
 };
 
-PileSpec hulls(std::uint32_t vertices) {
+BoxPileSpec hulls(std::uint32_t vertices) {
   return {.cubes = 1000, .step_s = 1e-2, .forms = {Form::kHull}, .hull_vertices = vertices};
 }
 
-PileSpec stirred(PileSpec spec) {
+BoxPileSpec stirred(BoxPileSpec spec) {
   spec.stirred = true;
   return spec;
 }
 
 const std::vector<Named>& named_scenes() {
-  static const PileSpec kShapes{.cubes = 1000,
-                                .step_s = 1e-2,
-                                .smallest_edge_m = 0.05,
-                                .largest_edge_m = 0.2,
-                                .forms = {Form::kSphere, Form::kCapsule, Form::kPlate, Form::kHull}};
+  static const BoxPileSpec kShapes{.cubes = 1000,
+                                   .step_s = 1e-2,
+                                   .smallest_edge_m = 0.05,
+                                   .largest_edge_m = 0.2,
+                                   .forms = {Form::kSphere, Form::kCapsule, Form::kPlate, Form::kHull}};
+  // Name, pile, timed steps, on terrain.
   static const std::vector<Named> scenes{
       {"pile64", {.cubes = 64, .step_s = 1e-3}, 2000},
       {"pile64-stirred", {.cubes = 64, .step_s = 1e-3, .stirred = true}, 2000},
@@ -205,7 +206,7 @@ std::uint32_t rods_of(const BoxScene& scene) noexcept {
   return scene.stirrer ? static_cast<std::uint32_t>(scene.stirrer->centres_m.size()) : 0;
 }
 
-BoxScene make_pile(std::string name, const PileSpec& spec) {
+BoxScene make_pile(std::string name, const BoxPileSpec& spec) {
   BoxScene scene;
   scene.name = std::move(name);
   scene.step_s = spec.step_s;

@@ -55,7 +55,7 @@ struct BoxScene {
 
 std::uint32_t rods_of(const BoxScene& scene) noexcept;
 
-struct PileSpec {
+struct BoxPileSpec {
   std::uint32_t cubes{64};
   double step_s{1e-3};
   bool stirred{false};
@@ -67,7 +67,7 @@ struct PileSpec {
 };
 
 // Mass is that of 1000 kg/m^3: 1 kg at 0.1 m.
-BoxScene make_pile(std::string name, const PileSpec& spec);
+BoxScene make_pile(std::string name, const BoxPileSpec& spec);
 
 // The names that `peers` takes, in the order of its table.
 const std::vector<std::string_view>& scene_names();

@@ -31,14 +31,15 @@ bool BodyFrames::due(const loop::TickRecord& taped) {
   return true;
 }
 
-BodyFrame BodyFrames::frame(const loop::TickRecord& taped) {
+ExportedFrame BodyFrames::frame(const loop::TickRecord& taped) {
   const physics::World& world = player_.loop().sub_world().world();
   states_.clear();
   for (const physics::Body& body : world.bodies())
-    states_.push_back({body.id, body.id == proxy_ ? BodyRole::kProxy : BodyRole::kMember, body.motion.pose});
+    states_.push_back({body.id, body.id == proxy_ ? MemberRole::kProxy : MemberRole::kMember, body.motion.pose});
   for (const physics::BorderContact& contact : world.border_contacts())
     if (const auto slot = world.slot_of(contact.member))
-      if (BodyState& state = states_[number_of(*slot)]; state.role == BodyRole::kMember) state.role = BodyRole::kBorder;
+      if (ExportedBody& state = states_[number_of(*slot)]; state.role == MemberRole::kMember)
+        state.role = MemberRole::kBorder;
   return {taped.out.tick, time_of(taped.out.tick, period_s_), states_};
 }
 

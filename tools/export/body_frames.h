@@ -21,7 +21,7 @@ class BodyFrames {
 
   // After play(): true if this tick is the first in its frame's interval and was played.
   bool due(const loop::TickRecord& taped);
-  BodyFrame frame(const loop::TickRecord& taped);
+  ExportedFrame frame(const loop::TickRecord& taped);
 
   std::uint64_t different() const noexcept { return different_; }        // ticks with another output than the tape's
   std::uint64_t unreplayable() const noexcept { return unreplayable_; }  // ticks that could not be played
@@ -33,7 +33,7 @@ class BodyFrames {
   std::uint64_t next_frame_{0};
   bool played_{false};
   std::uint64_t different_{0}, unreplayable_{0};
-  std::vector<BodyState> states_;
+  std::vector<ExportedBody> states_;
 };
 
 }  // namespace tactus::exporting

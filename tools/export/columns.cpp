@@ -50,13 +50,23 @@ struct Table {
   void vector(const char* name, std::size_t offset, const char* unit, const char* suffix, std::string_view frame,
               const char* meaning) {
     for (std::size_t i = 0; i < 3; ++i)
-      columns.push_back({fmt::format("{}_{}_{}", name, "xyz"[i], suffix), group, unit, std::string(frame), meaning,
-                         ColumnType::kReal, offset + i * sizeof(double)});
+      columns.push_back({.name = fmt::format("{}_{}_{}", name, "xyz"[i], suffix),
+                         .group = group,
+                         .unit = unit,
+                         .frame = std::string(frame),
+                         .meaning = meaning,
+                         .type = ColumnType::kReal,
+                         .offset = offset + i * sizeof(double)});
   }
   void rotation(const char* name, std::size_t offset, std::string_view frame, const char* meaning) {
     for (std::size_t i = 0; i < 4; ++i)
-      columns.push_back({fmt::format("{}_{}", name, "wxyz"[i]), group, "1", std::string(frame), meaning,
-                         ColumnType::kReal, offset + i * sizeof(double)});
+      columns.push_back({.name = fmt::format("{}_{}", name, "wxyz"[i]),
+                         .group = group,
+                         .unit = "1",
+                         .frame = std::string(frame),
+                         .meaning = meaning,
+                         .type = ColumnType::kReal,
+                         .offset = offset + i * sizeof(double)});
   }
 };
 
@@ -194,7 +204,13 @@ std::vector<Column> make_columns() {
   Table table;
   table.group = "time";
   table.count("tick", offsetof(Row, tick.out.tick), "number of the tick, from 0");
-  table.columns.push_back({"time_s", "time", "s", "", "simulated time at the end of the tick", ColumnType::kTime, 0});
+  table.columns.push_back({.name = "time_s",
+                           .group = "time",
+                           .unit = "s",
+                           .frame = "",
+                           .meaning = "simulated time at the end of the tick",
+                           .type = ColumnType::kTime,
+                           .offset = 0});
   add_device(table);
   add_plan(table);
   add_command(table);

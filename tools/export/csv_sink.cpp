@@ -34,8 +34,8 @@ class CsvSink final : public Sink {
     return ticks_->status();
   }
 
-  Status bodies(const BodyFrame& frame) override {
-    for (const BodyState& body : frame.bodies) {
+  Status bodies(const ExportedFrame& frame) override {
+    for (const ExportedBody& body : frame.bodies) {
       line_.clear();
       append_number(line_, frame.tick);
       line_ += ',';

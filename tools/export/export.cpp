@@ -179,7 +179,7 @@ class Exporter {
     return Status::good();
   }
 
-  Status write_frame(const BodyFrame& frame) {
+  Status write_frame(const ExportedFrame& frame) {
     ++report_.frames;
     report_.bodies += frame.bodies.size();
     for (auto& sink : sinks_)

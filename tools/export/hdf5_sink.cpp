@@ -175,8 +175,8 @@ class Hdf5Sink final : public Sink {
     return flush_full(columns_) ? Status::good() : failed();
   }
 
-  Status bodies(const BodyFrame& frame) override {
-    for (const BodyState& body : frame.bodies) {
+  Status bodies(const ExportedFrame& frame) override {
+    for (const ExportedBody& body : frame.bodies) {
       const auto role = static_cast<std::uint32_t>(body.role);
       const Vec3d& p = body.pose.position;
       const Quatd& q = body.pose.rotation;

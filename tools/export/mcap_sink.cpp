@@ -50,7 +50,7 @@ class McapSink final : public Sink {
     return writer_.status();
   }
 
-  Status bodies(const BodyFrame& frame) override {
+  Status bodies(const ExportedFrame& frame) override {
     const std::uint64_t now_ns = time_ns(frame.tick);
     if (!fixed_written_) writer_.message(bodies_, now_ns, fixed_bodies_json(*context_.scene, now_ns));
     fixed_written_ = true;

@@ -50,7 +50,7 @@ class PerfettoSink final : public Sink {
     return file_->status();
   }
 
-  Status bodies(const BodyFrame&) override { return Status::good(); }  // the format has no place for them
+  Status bodies(const ExportedFrame&) override { return Status::good(); }  // the format has no place for them
 
   Status finish() override {
     if (cycle_) end_cycle(last_us_);

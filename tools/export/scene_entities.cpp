@@ -20,13 +20,13 @@ constexpr Colour kProxyColour{0.84, 0.37, 0.00};
 constexpr Colour kMemberColour{0.34, 0.71, 0.91};
 constexpr Colour kBorderColour{0.90, 0.62, 0.00};
 
-Colour colour_of(BodyRole role) {
+Colour colour_of(MemberRole role) {
   switch (role) {
-    case BodyRole::kProxy:
+    case MemberRole::kProxy:
       return kProxyColour;
-    case BodyRole::kMember:
+    case MemberRole::kMember:
       return kMemberColour;
-    case BodyRole::kBorder:
+    case MemberRole::kBorder:
       return kBorderColour;
   }
   return kMemberColour;
@@ -192,9 +192,9 @@ std::string fixed_bodies_json(const sim::Scene& scene, std::uint64_t time_ns) {
   return update_json(std::move(entity));
 }
 
-std::string members_json(const sim::Scene& scene, const BodyFrame& frame, std::uint64_t time_ns) {
+std::string members_json(const sim::Scene& scene, const ExportedFrame& frame, std::uint64_t time_ns) {
   ordered_json entity = empty_entity("sub-world", time_ns);
-  for (const BodyState& body : frame.bodies)
+  for (const ExportedBody& body : frame.bodies)
     add_shape(entity, scene, scene.bodies[body.id].shape, body.pose, colour_of(body.role));
   return update_json(std::move(entity));
 }

@@ -19,6 +19,6 @@ const std::string& scene_update_schema();
 // The fixed bodies, once.
 std::string fixed_bodies_json(const sim::Scene& scene, std::uint64_t time_ns);
 // The sub-world's bodies; the message replaces the one before.
-std::string members_json(const sim::Scene& scene, const BodyFrame& frame, std::uint64_t time_ns);
+std::string members_json(const sim::Scene& scene, const ExportedFrame& frame, std::uint64_t time_ns);
 
 }  // namespace tactus::exporting

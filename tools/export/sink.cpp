@@ -6,13 +6,13 @@
 
 namespace tactus::exporting {
 
-std::string_view name_of(BodyRole role) noexcept {
+std::string_view name_of(MemberRole role) noexcept {
   switch (role) {
-    case BodyRole::kProxy:
+    case MemberRole::kProxy:
       return "proxy";
-    case BodyRole::kMember:
+    case MemberRole::kMember:
       return "member";
-    case BodyRole::kBorder:
+    case MemberRole::kBorder:
       return "border";
   }
   return "";

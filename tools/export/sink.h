@@ -17,24 +17,24 @@
 
 namespace tactus::exporting {
 
-enum class BodyRole : std::uint32_t {
+enum class MemberRole : std::uint32_t {
   kProxy = 0,   // the device holds it
   kMember = 1,  // in the sub-world
   kBorder = 2,  // in the sub-world, and in touch with a body outside of it
 };
-std::string_view name_of(BodyRole role) noexcept;  // proxy, member, border
+std::string_view name_of(MemberRole role) noexcept;  // proxy, member, border
 
-struct BodyState {
+struct ExportedBody {
   BodyId id{kNoBody};
-  BodyRole role{BodyRole::kMember};
+  MemberRole role{MemberRole::kMember};
   Posed pose;  // world_from_body, of the centre of mass
 };
 
 // The bodies of the sub-world after a tick, by id.
-struct BodyFrame {
+struct ExportedFrame {
   std::uint64_t tick{0};
   double time_s{0};
-  std::span<const BodyState> bodies;
+  std::span<const ExportedBody> bodies;
 };
 
 struct ExportContext {
@@ -50,7 +50,7 @@ class Sink {
   virtual ~Sink() = default;
   // An error is final, and one line with the file's path.
   virtual Status tick(const Row& row) = 0;
-  virtual Status bodies(const BodyFrame& frame) = 0;
+  virtual Status bodies(const ExportedFrame& frame) = 0;
   // Completes the file. Without it the destructor removes what was written.
   virtual Status finish() = 0;
   virtual std::uint64_t bytes() const = 0;  // after finish(): of the files

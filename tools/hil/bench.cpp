@@ -75,15 +75,18 @@ Bench::Bench(hal::AnyLink& link, const hal::DeviceProfile& profile, Provoker& pr
       provoker_(provoker),
       options_(options),
       settings_(settings_of(options)),
-      conversation_{hal::FrameCodec(profile.kinematics, profile.quantum, profile.properties.has_rotation), 0, {}, {}} {}
+      conversation_{.codec = hal::FrameCodec(profile.kinematics, profile.quantum, profile.properties.has_rotation),
+                    .command_sequence = 0,
+                    .state = {},
+                    .sample = {}} {}
 
 std::uint64_t Bench::ticks(double seconds) const noexcept {
   return static_cast<std::uint64_t>(std::llround(seconds * options_.rate_Hz));
 }
 
-Result<ExchangeResult> Bench::exchange(std::span<const Phase> plan, const Director& director, bool keep) {
+Result<ExchangeResult> Bench::exchange(std::span<const ExchangePhase> plan, const Director& director, bool keep) {
   std::uint64_t all = 0, seen = 0;
-  for (const Phase& phase : plan) all += phase.ticks;
+  for (const ExchangePhase& phase : plan) all += phase.ticks;
   const Director with_progress = [&](const Record& record) {
     if (progress_ && all > 0 && ++seen % 256 == 0)
       progress_(std::min(1.0, static_cast<double>(seen) / static_cast<double>(all)));
@@ -99,7 +102,7 @@ Result<ExchangeResult> Bench::exchange(std::span<const Phase> plan, const Direct
 
 const Result<QuietExchange>& Bench::quiet() {
   if (quiet_) return *quiet_;
-  const Phase plan[] = {{.ticks = ticks(options_.quiet_s)}};
+  const ExchangePhase plan[] = {{.ticks = ticks(options_.quiet_s)}};
   auto result = exchange(plan);
   if (!result.ok()) return quiet_.emplace(result.status());
   QuietExchange quiet;
@@ -113,7 +116,7 @@ const Result<QuietExchange>& Bench::quiet() {
 
 Status Bench::settle() {
   constexpr std::uint64_t kPatience = 60;  // periods; time limit for the device to act on a re-arm
-  const Phase plan[] = {{.ticks = 20}, {.ticks = kPatience, .rearm = true}, {.ticks = 20}};
+  const ExchangePhase plan[] = {{.ticks = 20}, {.ticks = kPatience, .rearm = true}, {.ticks = 20}};
   auto result = exchange(plan);
   if (!result.ok()) return result.status();
   const Record& last = result.value().records.back();

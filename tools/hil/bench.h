@@ -49,7 +49,7 @@ class Bench {
   const loop::SetupReport& setup() const noexcept { return setup_; }  // of the last exchange in real time
   void on_progress(Progress progress) { progress_ = std::move(progress); }
 
-  Result<ExchangeResult> exchange(std::span<const Phase> plan, const Director& director = {}, bool keep = true);
+  Result<ExchangeResult> exchange(std::span<const ExchangePhase> plan, const Director& director = {}, bool keep = true);
   // Run at the first call; later calls return the same result.
   const Result<QuietExchange>& quiet();
   // Brings the device to IDLE without fault; re-arms if necessary. Error, one line: the device does not get there.

@@ -5,6 +5,7 @@
 namespace tactus::hil {
 namespace {
 
+// Name, what, needs, function.
 constexpr Check kChecks[] = {
     {"identity", "protocol, firmware and class are what the description says", kNothing, check_identity},
     {"registers", "every register is readable and in its range; wrong questions are refused", kNothing,
@@ -35,9 +36,9 @@ constexpr Check kChecks[] = {
 
 std::span<const Check> all_checks() noexcept { return kChecks; }
 
-Finding bad(std::string reason, std::string threshold) {
-  return {Verdict::kBad, {}, std::move(threshold), std::move(reason), {}};
+CheckFinding bad(std::string reason, std::string threshold) {
+  return {CheckVerdict::kBad, {}, std::move(threshold), std::move(reason), {}};
 }
-Finding skipped(std::string reason) { return {Verdict::kSkipped, {}, {}, std::move(reason), {}}; }
+CheckFinding skipped(std::string reason) { return {CheckVerdict::kSkipped, {}, {}, std::move(reason), {}}; }
 
 }  // namespace tactus::hil

@@ -12,7 +12,7 @@
 
 namespace tactus::hil {
 
-enum class Verdict { kGood, kBad, kSkipped };
+enum class CheckVerdict { kGood, kBad, kSkipped };
 
 // One number, with its unit in the name.
 struct Figure {
@@ -20,8 +20,8 @@ struct Figure {
   double value{0};
 };
 
-struct Finding {
-  Verdict verdict{Verdict::kGood};
+struct CheckFinding {
+  CheckVerdict verdict{CheckVerdict::kGood};
   std::string measured;   // a line for people
   std::string threshold;  // limit it was compared with
   std::string reason;     // why bad or skipped
@@ -29,8 +29,8 @@ struct Finding {
   std::string unseen{};  // what of it the device cannot show; empty: nothing
 };
 
-Finding bad(std::string reason, std::string threshold = {});
-Finding skipped(std::string reason);
+CheckFinding bad(std::string reason, std::string threshold = {});
+CheckFinding skipped(std::string reason);
 
 enum Need : unsigned {
   kNothing = 0,
@@ -43,29 +43,29 @@ struct Check {
   const char* name;
   const char* what;  // half a line for --list
   unsigned needs;
-  Finding (*run)(Bench&);
+  CheckFinding (*run)(Bench&);
 };
 
 std::span<const Check> all_checks() noexcept;
 
 // --- tools/hil/checks/
-Finding check_identity(Bench& bench);
-Finding check_registers(Bench& bench);
-Finding check_losses(Bench& bench);
-Finding check_round_trip(Bench& bench);
-Finding check_force_age(Bench& bench);
-Finding check_clock(Bench& bench);
-Finding check_watchdog(Bench& bench);
-Finding check_brake(Bench& bench);
-Finding check_not_finite(Bench& bench);
-Finding check_broken_commands(Bench& bench);
-Finding check_repeated_commands(Bench& bench);
-Finding check_saturation(Bench& bench);
-Finding check_force(Bench& bench);
-Finding check_emergency_stop(Bench& bench);
-Finding check_unplug(Bench& bench);
-Finding check_broken_states(Bench& bench);
-Finding check_bus_off(Bench& bench);
-Finding check_soak(Bench& bench);
+CheckFinding check_identity(Bench& bench);
+CheckFinding check_registers(Bench& bench);
+CheckFinding check_losses(Bench& bench);
+CheckFinding check_round_trip(Bench& bench);
+CheckFinding check_force_age(Bench& bench);
+CheckFinding check_clock(Bench& bench);
+CheckFinding check_watchdog(Bench& bench);
+CheckFinding check_brake(Bench& bench);
+CheckFinding check_not_finite(Bench& bench);
+CheckFinding check_broken_commands(Bench& bench);
+CheckFinding check_repeated_commands(Bench& bench);
+CheckFinding check_saturation(Bench& bench);
+CheckFinding check_force(Bench& bench);
+CheckFinding check_emergency_stop(Bench& bench);
+CheckFinding check_unplug(Bench& bench);
+CheckFinding check_broken_states(Bench& bench);
+CheckFinding check_bus_off(Bench& bench);
+CheckFinding check_soak(Bench& bench);
 
 }  // namespace tactus::hil

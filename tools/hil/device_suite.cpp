@@ -21,6 +21,7 @@ constexpr double kQuiet_s = 2, kPush_s = 0.3;
 constexpr double kMinFresh = 0.999;  // share of the periods at rest
 constexpr unsigned kLongestGap = 2, kBrakePeriods = 12, kSilence = 30;
 
+// Name, what, needs; without a function: run_one knows them by name.
 constexpr Check kDeviceChecks[] = {
     {"identity", "the device that was opened", kNothing, nullptr},
     {"samples", "at rest: share of the periods with a new sample, longest gap", kNothing, nullptr},
@@ -33,12 +34,12 @@ constexpr Check kDeviceChecks[] = {
      kMotors | kForce, nullptr},
 };
 
-Finding judged(bool good, std::string measured, std::string threshold, std::string reason) {
-  return {good ? Verdict::kGood : Verdict::kBad,
-          std::move(measured),
-          std::move(threshold),
-          good ? std::string() : std::move(reason),
-          {}};
+CheckFinding judged(bool good, std::string measured, std::string threshold, std::string reason) {
+  return {.verdict = good ? CheckVerdict::kGood : CheckVerdict::kBad,
+          .measured = std::move(measured),
+          .threshold = std::move(threshold),
+          .reason = good ? std::string() : std::move(reason),
+          .figures = {}};
 }
 
 std::string state_line(const haptics::DeviceSample& sample) {
@@ -46,7 +47,7 @@ std::string state_line(const haptics::DeviceSample& sample) {
                      hal::describe_device_fault(sample.device_fault));
 }
 
-Finding check_samples(DeviceExchange& x) {
+CheckFinding check_samples(DeviceExchange& x) {
   const auto periods = static_cast<unsigned>(kQuiet_s * x.test.options.rate_Hz);
   unsigned longest = 0;
   x.command.wanted = DeviceState::kIdle;
@@ -56,16 +57,17 @@ Finding check_samples(DeviceExchange& x) {
   const bool judges = x.test.options.judge_timing;
   const double least = judges ? kMinFresh : DeviceExchange::kLeastFresh;
   const std::string why = x.test.trouble && share < DeviceExchange::kLeastFresh ? x.test.trouble() : std::string();
-  Finding finding = judged(share >= least && (longest <= kLongestGap || !judges),
-                           fmt::format("{:.3f} % fresh of {}, longest gap {}", 100 * share, periods, longest),
-                           fmt::format("{:.1f} % fresh, {}", 100 * least,
-                                       judges ? fmt::format("gaps of {} at most", kLongestGap) : "gaps are not judged"),
-                           "samples are missing: " + (why.empty() ? "look at the bus, its load and the host's" : why));
+  CheckFinding finding =
+      judged(share >= least && (longest <= kLongestGap || !judges),
+             fmt::format("{:.3f} % fresh of {}, longest gap {}", 100 * share, periods, longest),
+             fmt::format("{:.1f} % fresh, {}", 100 * least,
+                         judges ? fmt::format("gaps of {} at most", kLongestGap) : "gaps are not judged"),
+             "samples are missing: " + (why.empty() ? "look at the bus, its load and the host's" : why));
   finding.figures = {{"fresh_share", share}, {"longest_gap_periods", static_cast<double>(longest)}};
   return finding;
 }
 
-Finding check_round_trip(DeviceExchange& x) {
+CheckFinding check_round_trip(DeviceExchange& x) {
   std::uint64_t most = 0;
   x.run(500, [&](unsigned i) {
     if (i > 20) most = std::max(most, x.command.sequence - x.input.sample.echoed_sequence);
@@ -73,14 +75,15 @@ Finding check_round_trip(DeviceExchange& x) {
   const auto allowed =
       1 + static_cast<std::uint64_t>(std::lround(x.test.device.properties().delay_s * x.test.options.rate_Hz));
   const bool judges = x.test.options.judge_timing;
-  Finding finding = judged(most <= allowed || !judges, fmt::format("{} periods at most", most),
-                           fmt::format("{}: the description's delay and one{}", allowed, judges ? "" : ", not judged"),
-                           "longer than described: raise transport_delay_ticks, or find what delays");
+  CheckFinding finding =
+      judged(most <= allowed || !judges, fmt::format("{} periods at most", most),
+             fmt::format("{}: the description's delay and one{}", allowed, judges ? "" : ", not judged"),
+             "longer than described: raise transport_delay_ticks, or find what delays");
   finding.figures = {{"round_trip_periods", static_cast<double>(most)}};
   return finding;
 }
 
-Finding check_enable(DeviceExchange& x) {
+CheckFinding check_enable(DeviceExchange& x) {
   unsigned until_force = 0;
   x.command.wanted = DeviceState::kForce;
   x.run(x.patience(), [&](unsigned i) {
@@ -100,7 +103,7 @@ std::string enter_force(DeviceExchange& x) {
   return "it is not in FORCE before: " + state_line(x.input.sample);
 }
 
-Finding check_brake(DeviceExchange& x) {
+CheckFinding check_brake(DeviceExchange& x) {
   if (const std::string why = enter_force(x); !why.empty()) return bad(why);
   unsigned until_brake = 0;
   x.command.wanted = DeviceState::kBrake;
@@ -116,7 +119,7 @@ Finding check_brake(DeviceExchange& x) {
                 "BRAKE, until a re-arm", held ? "a re-arm does not leave it" : "it does not hold");
 }
 
-Finding check_not_finite(DeviceExchange& x) {
+CheckFinding check_not_finite(DeviceExchange& x) {
   if (const std::string why = enter_force(x); !why.empty()) return bad(why);
   x.command.wrench.force.x = std::numeric_limits<double>::quiet_NaN();
   x.run(1);
@@ -126,7 +129,7 @@ Finding check_not_finite(DeviceExchange& x) {
   return judged(good, state_line(x.input.sample), "BRAKE, and a fault", "the command was not refused");
 }
 
-Finding check_watchdog(DeviceExchange& x) {
+CheckFinding check_watchdog(DeviceExchange& x) {
   if (const std::string why = enter_force(x); !why.empty()) return bad(why);
   unsigned until_brake = 0;
   x.run(
@@ -137,10 +140,11 @@ Finding check_watchdog(DeviceExchange& x) {
       false);
   x.want(DeviceState::kForce, x.patience());
   const bool latched = x.input.sample.state == DeviceState::kBrake;
-  Finding finding = judged(until_brake > 0 && until_brake <= kBrakePeriods && latched,
-                           fmt::format("brakes after {} periods, then {}", until_brake, state_line(x.input.sample)),
-                           fmt::format("BRAKE within {} periods, latched", kBrakePeriods),
-                           until_brake == 0 ? "it goes on without a host" : "too late, or not latched");
+  CheckFinding finding =
+      judged(until_brake > 0 && until_brake <= kBrakePeriods && latched,
+             fmt::format("brakes after {} periods, then {}", until_brake, state_line(x.input.sample)),
+             fmt::format("BRAKE within {} periods, latched", kBrakePeriods),
+             until_brake == 0 ? "it goes on without a host" : "too late, or not latched");
   finding.figures = {{"brake_periods", static_cast<double>(until_brake)}};
   return finding;
 }
@@ -184,7 +188,7 @@ std::array<Push, 3> push_along_axes(DeviceExchange& x) {
   return pushes;
 }
 
-Finding check_force(DeviceExchange& x) {
+CheckFinding check_force(DeviceExchange& x) {
   std::string measured;
   for (const Push& push : push_along_axes(x)) {
     measured += fmt::format("{}{:.2f} mm", measured.empty() ? "" : ", ", 1e3 * push.most);
@@ -196,7 +200,7 @@ Finding check_force(DeviceExchange& x) {
   return judged(true, measured + " along x, y, z", "no fault, and the tool follows the force", "");
 }
 
-Finding run_one(DeviceExchange& x, const Check& check) {
+CheckFinding run_one(DeviceExchange& x, const Check& check) {
   const std::string name = check.name;
   if (name == "identity") return judged(true, x.test.identity, "opened and compared with the description", "");
   if (name == "samples") return check_samples(x);
@@ -207,20 +211,20 @@ Finding run_one(DeviceExchange& x, const Check& check) {
   return name == "watchdog" ? check_watchdog(x) : check_force(x);
 }
 
-Finding run_allowed(DeviceExchange& x, const Check& check, const SuiteRequest& request) {
+CheckFinding run_allowed(DeviceExchange& x, const Check& check, const SuiteRequest& request) {
   if ((check.needs & kMotors) != 0 && !request.motors_allowed)
     return skipped("it switches the motors on: agree, or give --yes");
   if ((check.needs & kForce) != 0 && x.test.options.force_N <= 0) return skipped("it moves the tool: give --force N");
   if (const std::string why = x.settle(); !why.empty()) return bad(why);
-  Finding finding = run_one(x, check);
+  CheckFinding finding = run_one(x, check);
   for (const hal::NotChecked& one : x.test.not_checked)
     if (one.check == check.name) finding.unseen = one.what;
   if (x.lost) {
-    finding.verdict = Verdict::kBad;
+    finding.verdict = CheckVerdict::kBad;
     finding.reason = "the force was ended after ten periods in a row without a sample: " + x.silence();
   }
-  if (const std::string why = x.settle(); !why.empty() && finding.verdict == Verdict::kGood) {
-    finding.verdict = Verdict::kBad;
+  if (const std::string why = x.settle(); !why.empty() && finding.verdict == CheckVerdict::kGood) {
+    finding.verdict = CheckVerdict::kBad;
     finding.reason = "afterwards " + why;
   }
   return finding;

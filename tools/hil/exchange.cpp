@@ -84,7 +84,7 @@ Status run_on_thread(ExchangeTick& tick, Reader& reader, const ExchangeSettings&
 
 }  // namespace
 
-ExchangeTick::ExchangeTick(hal::AnyLink& link, Conversation& conversation, std::span<const Phase> plan,
+ExchangeTick::ExchangeTick(hal::AnyLink& link, Conversation& conversation, std::span<const ExchangePhase> plan,
                            std::int64_t period_ns, bool stepped)
     : link_(link),
       conversation_(conversation),
@@ -140,7 +140,7 @@ void ExchangeTick::receive(Record& record) noexcept {
   record.position_m = conversation_.sample.device_from_tool.position;
 }
 
-void ExchangeTick::send(const Phase& phase, Record& record) noexcept {
+void ExchangeTick::send(const ExchangePhase& phase, Record& record) noexcept {
   haptics::DeviceCommand command;
   const bool repeats = phase.harm == Harm::kRepeated;
   command.sequence = repeats ? conversation_.command_sequence : ++conversation_.command_sequence;
@@ -159,7 +159,7 @@ void ExchangeTick::send(const Phase& phase, Record& record) noexcept {
 }
 
 Result<ExchangeResult> run_exchange(hal::AnyLink& link, Conversation& conversation, const ExchangeSettings& settings,
-                                    std::span<const Phase> plan, const Director& director, bool keep) {
+                                    std::span<const ExchangePhase> plan, const Director& director, bool keep) {
   ExchangeResult result;
   ExchangeTick tick(link, conversation, plan, settings.period_ns, settings.stepped);
   Reader reader(tick, director, keep, result);

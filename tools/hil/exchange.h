@@ -39,7 +39,7 @@ static_assert(std::is_trivially_copyable_v<Record>);
 enum class Harm : std::uint8_t { kNone = 0, kBrokenCrc = 1, kNotFinite = 2, kRepeated = 3 };
 
 // Commands of one phase.
-struct Phase {
+struct ExchangePhase {
   std::uint64_t ticks{0};  // 0: until the director ends the phase
   firmware::State wanted{firmware::State::kIdle};
   bool send{true};
@@ -68,8 +68,8 @@ struct Conversation {
 // The haptic thread's side.
 class ExchangeTick {
  public:
-  ExchangeTick(hal::AnyLink& link, Conversation& conversation, std::span<const Phase> plan, std::int64_t period_ns,
-               bool stepped);
+  ExchangeTick(hal::AnyLink& link, Conversation& conversation, std::span<const ExchangePhase> plan,
+               std::int64_t period_ns, bool stepped);
 
   bool operator()(const loop::TickTiming& timing) noexcept;
 
@@ -81,13 +81,13 @@ class ExchangeTick {
 
  private:
   void receive(Record& record) noexcept;
-  void send(const Phase& phase, Record& record) noexcept;
+  void send(const ExchangePhase& phase, Record& record) noexcept;
   bool advance() noexcept;
   std::int64_t now_ns() const noexcept;
 
   hal::AnyLink& link_;
   Conversation& conversation_;
-  std::span<const Phase> plan_;
+  std::span<const ExchangePhase> plan_;
   std::int64_t period_ns_;
   bool stepped_;
   std::uint64_t tick_{0}, phase_began_{0};
@@ -108,6 +108,7 @@ struct ExchangeResult {
 
 // Runs the plan to its end. `keep`: returns the records. Errors: of the operating system or the link.
 Result<ExchangeResult> run_exchange(hal::AnyLink& link, Conversation& conversation, const ExchangeSettings& settings,
-                                    std::span<const Phase> plan, const Director& director = {}, bool keep = true);
+                                    std::span<const ExchangePhase> plan, const Director& director = {},
+                                    bool keep = true);
 
 }  // namespace tactus::hil

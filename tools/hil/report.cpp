@@ -10,25 +10,26 @@
 namespace tactus::hil {
 namespace {
 
-const char* word(Verdict verdict) {
-  return verdict == Verdict::kGood ? "good" : verdict == Verdict::kBad ? "bad" : "skipped";
+const char* word(CheckVerdict verdict) {
+  return verdict == CheckVerdict::kGood ? "good" : verdict == CheckVerdict::kBad ? "bad" : "skipped";
 }
 
 std::string totals(const SuiteReport& report) {
-  return fmt::format("{} good, {} bad, {} skipped", report.count(Verdict::kGood), report.count(Verdict::kBad),
-                     report.count(Verdict::kSkipped));
+  return fmt::format("{} good, {} bad, {} skipped", report.count(CheckVerdict::kGood), report.count(CheckVerdict::kBad),
+                     report.count(CheckVerdict::kSkipped));
 }
 
 }  // namespace
 
 std::string to_line(const CheckReport& report) {
-  const Finding& finding = report.finding;
+  const CheckFinding& finding = report.finding;
   std::string line = fmt::format("  {:<18} {:<8}{}\n", report.check->name, word(finding.verdict),
                                  finding.measured.empty() ? finding.reason : finding.measured);
-  if (finding.verdict == Verdict::kSkipped) return line;
+  if (finding.verdict == CheckVerdict::kSkipped) return line;
   if (!finding.threshold.empty()) line += fmt::format("  {:<26} held against: {}\n", "", finding.threshold);
   if (!finding.reason.empty() && !finding.measured.empty())
-    line += fmt::format("  {:<26} {}: {}\n", "", finding.verdict == Verdict::kBad ? "bad" : "note", finding.reason);
+    line +=
+        fmt::format("  {:<26} {}: {}\n", "", finding.verdict == CheckVerdict::kBad ? "bad" : "note", finding.reason);
   if (!finding.unseen.empty()) line += fmt::format("  {:<26} not checked: {}\n", "", finding.unseen);
   return line;
 }
@@ -52,9 +53,9 @@ std::string to_json_text(const SuiteReport& report) {
                                                                 : "good"},
                                 {"degraded", report.degraded()},
                                 {"real_time", report.real_time},
-                                {"good", report.count(Verdict::kGood)},
-                                {"bad", report.count(Verdict::kBad)},
-                                {"skipped", report.count(Verdict::kSkipped)},
+                                {"good", report.count(CheckVerdict::kGood)},
+                                {"bad", report.count(CheckVerdict::kBad)},
+                                {"skipped", report.count(CheckVerdict::kSkipped)},
                                 {"left_in", report.left_in}};
   object["checks"] = nlohmann::ordered_json::array();
   for (const CheckReport& one : report.checks) {
@@ -82,16 +83,16 @@ std::string to_junit(const SuiteReport& report) {
   for (const CheckReport& one : report.checks) all_s += one.took_s;
   std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   xml += fmt::format("<testsuite name=\"tactus hil {}\" tests=\"{}\" failures=\"{}\" skipped=\"{}\" time=\"{:.3f}\">\n",
-                     xml_text(report.device), report.checks.size(), report.count(Verdict::kBad),
-                     report.count(Verdict::kSkipped), all_s);
+                     xml_text(report.device), report.checks.size(), report.count(CheckVerdict::kBad),
+                     report.count(CheckVerdict::kSkipped), all_s);
   for (const CheckReport& one : report.checks) {
-    const Finding& finding = one.finding;
+    const CheckFinding& finding = one.finding;
     xml += fmt::format("  <testcase classname=\"hil\" name=\"{}\" time=\"{:.3f}\">\n", xml_text(one.check->name),
                        one.took_s);
-    if (finding.verdict == Verdict::kBad)
+    if (finding.verdict == CheckVerdict::kBad)
       xml += fmt::format("    <failure message=\"{}\">held against: {}</failure>\n", xml_text(finding.reason),
                          xml_text(finding.threshold));
-    if (finding.verdict == Verdict::kSkipped)
+    if (finding.verdict == CheckVerdict::kSkipped)
       xml += fmt::format("    <skipped message=\"{}\"/>\n", xml_text(finding.reason));
     const char* const before_unseen = finding.measured.empty() || finding.unseen.empty() ? "" : "; ";
     const std::string unseen = finding.unseen.empty() ? "" : before_unseen + ("not checked: " + finding.unseen);

@@ -8,18 +8,18 @@
 namespace tactus::hil {
 namespace {
 
-Finding run_one(Bench& bench, const Check& check, const SuiteRequest& request) {
+CheckFinding run_one(Bench& bench, const Check& check, const SuiteRequest& request) {
   if ((check.needs & kMotors) != 0 && !request.motors_allowed)
     return skipped("it switches the motors on: agree, or give --yes");
   if ((check.needs & kForce) != 0 && bench.options().force_N <= 0) return skipped("it moves the tool: give --force N");
   if ((check.needs & kSoak) != 0 && bench.options().soak_frames == 0)
     return skipped("it takes ten minutes: give --soak, or --soak-frames N");
   if (const Status status = bench.settle(); !status.ok()) return bad(status.message());
-  Finding finding = check.run(bench);
+  CheckFinding finding = check.run(bench);
   if (!request.motors_allowed) return finding;
   const Status after = bench.settle();
-  if (!after.ok() && finding.verdict == Verdict::kGood) {
-    finding.verdict = Verdict::kBad;
+  if (!after.ok() && finding.verdict == CheckVerdict::kGood) {
+    finding.verdict = CheckVerdict::kBad;
     finding.reason = "afterwards " + after.message();
   }
   return finding;
@@ -31,7 +31,7 @@ bool is_chosen(const std::vector<std::string>& only, const Check& check) {
 
 }  // namespace
 
-std::size_t SuiteReport::count(Verdict verdict) const noexcept {
+std::size_t SuiteReport::count(CheckVerdict verdict) const noexcept {
   return static_cast<std::size_t>(std::count_if(
       checks.begin(), checks.end(), [&](const CheckReport& report) { return report.finding.verdict == verdict; }));
 }

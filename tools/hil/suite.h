@@ -12,7 +12,7 @@ namespace tactus::hil {
 
 struct CheckReport {
   const Check* check{nullptr};
-  Finding finding;
+  CheckFinding finding;
   double took_s{0};
 };
 
@@ -23,9 +23,9 @@ struct SuiteReport {
   loop::SetupReport setup;  // real time only
   bool real_time{false};
 
-  std::size_t count(Verdict verdict) const noexcept;
+  std::size_t count(CheckVerdict verdict) const noexcept;
   // No check is bad, and at least one is good.
-  bool good() const noexcept { return count(Verdict::kBad) == 0 && count(Verdict::kGood) > 0; }
+  bool good() const noexcept { return count(CheckVerdict::kBad) == 0 && count(CheckVerdict::kGood) > 0; }
   bool degraded() const noexcept { return real_time && setup.failed(); }
 };
 

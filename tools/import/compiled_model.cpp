@@ -97,8 +97,13 @@ ModelMesh mesh_of(const json& object) {
 
 HeightField field_of(const json& object) {
   const auto& size = object.at("size");
-  return {object.at("name"), object.at("rows"), object.at("columns"), size.at(0),
-          size.at(1),        size.at(2),        object.at("heights")};
+  return {.name = object.at("name"),
+          .rows = object.at("rows"),
+          .columns = object.at("columns"),
+          .half_x = size.at(0),
+          .half_y = size.at(1),
+          .height = size.at(2),
+          .heights = object.at("heights")};
 }
 
 template <class T>
@@ -156,7 +161,11 @@ bool is_whole(const CompiledModel& model) {
 
 void read_account(const json& answer, Account& account) {
   for (const json& r : answer.at("refused"))
-    account.refuse({r.at("kind"), r.at("file"), r.at("line"), r.at("what"), r.at("cure")});
+    account.refuse({.kind = r.at("kind"),
+                    .file = r.at("file"),
+                    .line = r.at("line"),
+                    .what = r.at("what"),
+                    .accepted = r.at("cure")});
   for (const json& text : answer.at("left_out")) account.left_out.push_back(text);
 }
 

@@ -22,10 +22,10 @@ Vec3d direction(int i) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-double reach_of(std::span<const Vec3d> points, const Vec3d& n) {
-  double reach = -std::numeric_limits<double>::infinity();
-  for (const Vec3d& p : points) reach = std::max(reach, dot(p, n));
-  return reach;
+double support_of(std::span<const Vec3d> points, const Vec3d& n) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Vec3d& p : points) most = std::max(most, dot(p, n));
+  return most;
 }
 
 // The Hausdorff distance of two convex bodies is the largest difference of their support functions.
@@ -34,7 +34,7 @@ double deviation(std::span<const Vec3d> points, const Support& support) {
   double most = 0;
   for (int i = 0; i < kDirections; ++i) {
     const Vec3d n = direction(i);
-    most = std::max(most, std::abs(reach_of(points, n) - support(n)));
+    most = std::max(most, std::abs(support_of(points, n) - support(n)));
   }
   return most;
 }

@@ -66,12 +66,12 @@ bool moves(const DraftBody& body) { return body.role != DraftRole::kFixed; }
 class Writer {
  public:
   Writer(const SceneDraft& draft, const std::string& stem) : draft_(draft), stem_(stem) {
-    const auto reach = [this](const Vec3d& place) { reach_m_ = std::max(reach_m_, norm(place)); };
+    const auto include = [this](const Vec3d& place) { farthest_m_ = std::max(farthest_m_, norm(place)); };
     for (const DraftBody& body : draft_.bodies) {
-      reach(body.pose.position);
-      for (const DraftPart& part : body.parts) reach((body.pose * part.pose).position);
+      include(body.pose.position);
+      for (const DraftPart& part : body.parts) include((body.pose * part.pose).position);
     }
-    for (const DraftJoint& joint : draft_.joints) reach(joint.position);
+    for (const DraftJoint& joint : draft_.joints) include(joint.position);
   }
 
   SceneFiles write(Account& account) {
@@ -180,7 +180,7 @@ class Writer {
       line("mass_kg", decimal(body.mass_kg));
       if (body.inertia) line("inertia_kg_m2", shown(*body.inertia, inertia_rounding(body)));
       if (body.centre) line("centre_of_mass_m", shown(*body.centre, length_rounding()));
-      const double turn = norm(body.velocity.angular), speed = norm(body.velocity.linear) + turn * reach_m_;
+      const double turn = norm(body.velocity.angular), speed = norm(body.velocity.linear) + turn * farthest_m_;
       line_unless_zero("velocity_m_per_s", shown(body.velocity.linear, kRounding * speed));
       line_unless_zero("angular_velocity_rad_per_s", shown(body.velocity.angular, kRounding * turn));
     }
@@ -201,8 +201,8 @@ class Writer {
     line_unless_zero("rotation_vector_rad", shown(rotation_vector_of(pose.rotation), kRounding));
   }
 
-  // Rounding of a position [m]: it is a sum of lengths of up to reach_m_.
-  double length_rounding() const { return kRounding * reach_m_; }
+  // Rounding of a position [m]: it is a sum of lengths of up to farthest_m_.
+  double length_rounding() const { return kRounding * farthest_m_; }
 
   // Rounding of a moment of inertia [kg m^2]. A centre of mass that is wrong by d changes a moment by 2 m l d,
   // and m l^2 is at most the trace: by at most 2 d sqrt(m trace).
@@ -300,7 +300,7 @@ class Writer {
 
   static double top_of(const DraftPart& part, const Posed& pose) {
     const Vec3d up = rotate_inverse(pose.rotation, Vec3d{0, 0, 1});
-    double reach = -std::numeric_limits<double>::infinity();
+    double highest = -std::numeric_limits<double>::infinity();
     switch (part.shape) {
       case DraftShape::kSphere:
         return pose.position.z + part.size.x;
@@ -313,19 +313,19 @@ class Writer {
       case DraftShape::kPlane:
         return pose.position.z;
       case DraftShape::kHull:
-        for (const Vec3d& p : part.points) reach = std::max(reach, dot(p, up));
+        for (const Vec3d& p : part.points) highest = std::max(highest, dot(p, up));
         break;
       case DraftShape::kMesh:
-        for (const Vec3d& p : part.mesh.corners) reach = std::max(reach, dot(p, up));
+        for (const Vec3d& p : part.mesh.corners) highest = std::max(highest, dot(p, up));
         break;
     }
-    return pose.position.z + reach;
+    return pose.position.z + highest;
   }
 
   const SceneDraft& draft_;
   const std::string& stem_;
   SceneFiles files_;
-  double reach_m_{0};  // the farthest place from the world's origin
+  double farthest_m_{0};  // the farthest place from the world's origin
 };
 
 }  // namespace

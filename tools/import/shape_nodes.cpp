@@ -203,7 +203,8 @@ Result<ShapeNodes> read_nodes(const std::filesystem::path& file) {
     for (const json& object : answer.at("nodes")) out.nodes.push_back(node_of(object));
     for (const json& text_of_it : answer.at("left_out")) out.left_out.push_back(text_of_it);
     for (const json& r : answer.at("refused"))
-      out.refused.push_back({r.at("kind"), name, 0, r.at("what"), r.at("accepted")});
+      out.refused.push_back(
+          {.kind = r.at("kind"), .file = name, .line = 0, .what = r.at("what"), .accepted = r.at("accepted")});
     return out;
   } catch (const json::exception&) {
     return Status::error(fmt::format("{}: a corner or a property is no finite number; accepted: finite numbers", name));

@@ -30,7 +30,7 @@ Error not_open(const char* call) {
 Error in_own_words(const Error& error) { return {error.kind(), library::in_own_words(error.message())}; }
 
 Summary to_public(const session::RunSummary& from) {
-  const session::Verdict verdict = judge(from);
+  const session::RunVerdict verdict = judge(from);
   Summary to;
   to.verdict = static_cast<Verdict>(verdict.level());
   to.ticks = from.stats.ticks;

@@ -74,7 +74,7 @@ class HandDevice final : public Device {
   Posed to_device(const HandPose& pose) const noexcept;
   void step_plant(const Posed& from) noexcept;
 
-  sim::DevicePlacement placement_;
+  sim::SceneDevice placement_;
   hal::DeviceProfile profile_;
   hal::HandModel hand_;
   double period_s_;

@@ -72,7 +72,7 @@ class ConfigurationReader {
   void read_devices(std::span<const text::TomlNode> tables) {
     for (const text::TomlNode& node : tables) {
       text::TableReader t(&node, fmt::format("[device.{}]", c_.devices.size() + 1), diagnostics_);
-      DeviceChoice choice;
+      ConfiguredDevice choice;
       choice.name = device_name(t, choice.name);
       choice.file = path(t, "file");
       const unsigned core = t.count("core", 0, {"a core", 0, 4095});
@@ -92,7 +92,7 @@ class ConfigurationReader {
   // Those of the options of each device, each once.
   std::vector<std::string> mistakes_of_options() const {
     std::vector<std::string> all = option_mistakes(c_.run);
-    for (const DeviceChoice& choice : c_.devices) {
+    for (const ConfiguredDevice& choice : c_.devices) {
       session::RunOptions own = c_.run;
       own.device = choice.name;
       own.device_file = choice.file;

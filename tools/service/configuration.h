@@ -19,19 +19,19 @@ namespace tactus::service {
 inline constexpr std::size_t kMaxConfigurationBytes = 64u << 10;
 
 // Of several hands, in the order of the scene's: [[device]].
-struct DeviceChoice {
+struct ConfiguredDevice {
   std::string name{"sim"};
   std::filesystem::path file;
   int core{-1};  // of its haptic thread; -1: not given
-  friend bool operator==(const DeviceChoice&, const DeviceChoice&) = default;
+  friend bool operator==(const ConfiguredDevice&, const ConfiguredDevice&) = default;
 };
 
 struct Configuration {
-  session::RunOptions run;            // [device] [rates] [cores] [limits]; of several hands what they have in common
-  std::vector<DeviceChoice> devices;  // two or more; empty: one device, in `run`
-  std::filesystem::path budget;       // of `tactus timing --certify`; empty: none
-  std::filesystem::path socket;       // of `tactus control`; empty: none
-  double log_interval_s{1};           // minimum time between equal events
+  session::RunOptions run;  // [device] [rates] [cores] [limits]; of several hands what they have in common
+  std::vector<ConfiguredDevice> devices;  // two or more; empty: one device, in `run`
+  std::filesystem::path budget;           // of `tactus timing --certify`; empty: none
+  std::filesystem::path socket;           // of `tactus control`; empty: none
+  double log_interval_s{1};               // minimum time between equal events
 };
 
 // The mistakes in the file, one per line, and its content, with defaults for wrong values.

@@ -19,7 +19,7 @@ std::string quoted(const std::string& value) {
 
 }  // namespace
 
-void EventLog::event(Level level, const std::string& name, Fields fields, double now_s) {
+void EventLog::event(LogLevel level, const std::string& name, Fields fields, double now_s) {
   const auto [place, first] = seen_.try_emplace(name, Seen{now_s, 0});
   Seen& seen = place->second;
   if (!first && now_s - seen.last_s < interval_s_) {

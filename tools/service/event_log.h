@@ -14,7 +14,7 @@
 
 namespace tactus::service {
 
-enum class Level : int { kError = 3, kWarning = 4, kNotice = 5, kInfo = 6 };  // of syslog(3)
+enum class LogLevel : int { kError = 3, kWarning = 4, kNotice = 5, kInfo = 6 };  // of syslog(3)
 
 class EventLog {
  public:
@@ -24,7 +24,7 @@ class EventLog {
       : out_(out), with_level_(with_level), interval_s_(interval_s) {}
 
   // Rate-limited by its name.
-  void event(Level level, const std::string& name, Fields fields, double now_s);
+  void event(LogLevel level, const std::string& name, Fields fields, double now_s);
   void set_interval(double interval_s) { interval_s_ = interval_s; }
   // Of several hands: the number of the one that the events are of, a field of every line.
   void set_hand(unsigned number) { hand_ = number; }

@@ -55,7 +55,7 @@ void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
   alive_ = ticks > ticks_;
   if (elapsed_s > last_s_) rate_Hz_ = static_cast<double>(ticks - ticks_) / (elapsed_s - last_s_);
   if (!started_ && ticks > 0)
-    log_.event(Level::kInfo, "running",
+    log_.event(LogLevel::kInfo, "running",
                {{"rate_Hz", fmt::format("{:.0f}", rate_Hz_)},
                 {"version", version()},
                 {"scene", name_.scene.string()},
@@ -63,27 +63,27 @@ void Monitor::look(const session::LiveStatus& live, double elapsed_s) {
                elapsed_s);
   started_ = started_ || ticks > 0;
   if (overruns > overruns_)
-    log_.event(Level::kWarning, "overruns", {{"count", number(overruns - overruns_)}, {"total", number(overruns)}},
+    log_.event(LogLevel::kWarning, "overruns", {{"count", number(overruns - overruns_)}, {"total", number(overruns)}},
                elapsed_s);
   if (late > late_cycles_)
-    log_.event(Level::kWarning, "late-world", {{"cycles", number(late - late_cycles_)}, {"total", number(late)}},
+    log_.event(LogLevel::kWarning, "late-world", {{"cycles", number(late - late_cycles_)}, {"total", number(late)}},
                elapsed_s);
   if (fault != fault_ && fault != 0)
-    log_.event(Level::kError, "fault",
+    log_.event(LogLevel::kError, "fault",
                {{"code", number(fault)},
                 {"device_code", number(hal::shown_fault(live.device_fault.load(relaxed)))},
                 {"text", fault_line(live)}},
                elapsed_s);
-  if (fault != fault_ && fault == 0) log_.event(Level::kNotice, "re-armed", {{"code", number(fault_)}}, elapsed_s);
+  if (fault != fault_ && fault == 0) log_.event(LogLevel::kNotice, "re-armed", {{"code", number(fault_)}}, elapsed_s);
   if (const std::uint32_t resets = live.resets.load(relaxed); resets != resets_) {
-    log_.event(Level::kNotice, "reset", {{"total", number(resets)}}, elapsed_s);
+    log_.event(LogLevel::kNotice, "reset", {{"total", number(resets)}}, elapsed_s);
     resets_ = resets;
   }
   // Logs the state of the loop, not the request; a fault that removes the force has its own line.
   const bool armed = started_ && (live.status.load(relaxed) & kNotArmed) == 0;
-  if (armed != armed_ && fault == 0) log_.event(Level::kNotice, armed ? "armed" : "disarmed", {}, elapsed_s);
+  if (armed != armed_ && fault == 0) log_.event(LogLevel::kNotice, armed ? "armed" : "disarmed", {}, elapsed_s);
   armed_ = armed;
-  if (started_ && !alive_) log_.event(Level::kError, "standstill", {{"ticks", number(ticks)}}, elapsed_s);
+  if (started_ && !alive_) log_.event(LogLevel::kError, "standstill", {{"ticks", number(ticks)}}, elapsed_s);
   ticks_ = ticks;
   overruns_ = overruns;
   late_cycles_ = late;

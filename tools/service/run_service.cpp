@@ -64,14 +64,14 @@ Result<std::unique_ptr<RunService>> RunService::open(const Configuration& config
 
 RunService::~RunService() { (void)notify("STOPPING=1"); }
 
-void RunService::say(const std::string& line) { log_.event(Level::kWarning, "run", {{"text", line}}, elapsed_s_); }
+void RunService::say(const std::string& line) { log_.event(LogLevel::kWarning, "run", {{"text", line}}, elapsed_s_); }
 
 void RunService::look(const session::LiveStatus& live, double elapsed_s) {
   elapsed_s_ = elapsed_s;
   log_.set_interval(shared_->log_interval_s());
   if (const unsigned reloads = shared_->reloads(); reloads != reloads_logged_) {
     reloads_logged_ = reloads;
-    log_.event(Level::kNotice, "reloaded",
+    log_.event(LogLevel::kNotice, "reloaded",
                {{"rearm", shared_->rearm() ? "true" : "false"},
                 {"interval_s", fmt::format("{:g}", shared_->log_interval_s())}},
                elapsed_s);

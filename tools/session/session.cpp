@@ -87,24 +87,12 @@ unsigned ratio_of(const sim::Scene& scene, const RunOptions& options) {
   return options.ratio != 0 ? options.ratio : scene.ratio;
 }
 
-static hal::HandMotion hand_motion_of(sim::HandMotion motion) {
-  switch (motion) {
-    case sim::HandMotion::kLinear:
-      return hal::HandMotion::kLinear;
-    case sim::HandMotion::kCubic:
-      return hal::HandMotion::kCubic;
-    case sim::HandMotion::kSmoothStep:
-      break;
-  }
-  return hal::HandMotion::kSmoothStep;
-}
-
 // Transforms the scene's hand path from the world to the device frame.
 hal::HandModel make_hand(const sim::Scene& scene) {
   const sim::HandScript& script = scene.hand;
   const Posed device_from_world = inverse(scene.device.world_from_device);
   std::vector<hal::HandWaypoint> path;
-  for (const sim::HandWaypoint& waypoint : script.path) {
+  for (const sim::ScriptWaypoint& waypoint : script.path) {
     const Quatd rotation = device_from_world.rotation * quat_from_rotation_vector(waypoint.rotation_vector_rad);
     const Vec3d velocity = rotate(device_from_world.rotation, waypoint.velocity_m_per_s);
     path.push_back({waypoint.time_s, (device_from_world * waypoint.position_m) * (1.0 / scene.device.motion_scale),
@@ -118,7 +106,7 @@ hal::HandModel make_hand(const sim::Scene& scene) {
   parameters.stiffness_Nm_per_rad = script.stiffness_Nm_per_rad;
   parameters.damping_Nms_per_rad = script.damping_Nms_per_rad;
   parameters.repeat = script.repeat;
-  parameters.motion = hand_motion_of(script.motion);
+  parameters.motion = script.motion;
   return hal::HandModel(parameters, path);
 }
 
@@ -396,8 +384,8 @@ RunSummary Session::summary() const {
   if (global != nullptr) summary.global = global->statistics();
   summary.overlapped = overlapped_of(scene, summary.global.overlap);
   if (const hal::SimulatedDevice* truth = simulated()) {
-    summary.hand_work_J = truth->plant().energy().hand;
-    summary.motor_work_J = truth->plant().energy().motors;
+    summary.hand_work_J = truth->plant().work().hand;
+    summary.motor_work_J = truth->plant().work().motors;
   }
   summary.device_identity = device_identity;
   summary.link = device->link_report();

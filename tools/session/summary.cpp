@@ -387,7 +387,7 @@ double RunSummary::dilation_ms() const noexcept {
 }
 
 std::string to_text(const RunSummary& s) {
-  const Verdict verdict = judge(s);
+  const RunVerdict verdict = judge(s);
   const std::string hand =
       s.options.hands > 1 ? fmt::format("hand {} of {}: ", s.options.hand + 1, s.options.hands) : "";
   std::string text = fmt::format("\ntactus run: {}{} ({})\n", hand,
@@ -444,7 +444,7 @@ json to_json(const RunSummary& s) {
   j["scene_file"] = s.options.scene.string();
   j["scene_hash"] = s.scene_hash;
   if (s.options.hands > 1) j["number"] = s.options.hand + 1;  // of the hand
-  const Verdict verdict = judge(s);
+  const RunVerdict verdict = judge(s);
   j["verdict"] = verdict.line();
   j["level"] = name_of(verdict.level());
   j["rules"] = to_json(verdict);

@@ -21,7 +21,7 @@ double share_of(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-Ruling fault_of(const RunSummary& s) {
+RunRuling fault_of(const RunSummary& s) {
   const auto& faults = s.stats.faults;
   const bool latched = s.fault_latched();
   const Fault fault = latched ? faults[faults.size() - 1].fault : Fault::kNone;
@@ -35,7 +35,7 @@ Ruling fault_of(const RunSummary& s) {
           "see the faults below; Enter or --rearm takes one back"};
 }
 
-Ruling recovered_of(const RunSummary& s) {
+RunRuling recovered_of(const RunSummary& s) {
   const std::uint64_t recovered = s.stats.fault_count - std::min<std::uint64_t>(s.stats.fault_count, s.fault_latched());
   return {
       "faults",
@@ -49,7 +49,7 @@ Ruling recovered_of(const RunSummary& s) {
 }
 
 // Without a sample the hand feels a fading force, or none.
-Ruling samples_of(const RunSummary& s) {
+RunRuling samples_of(const RunSummary& s) {
   const auto ticks_with = [&](StatusBit bit) {
     return s.stats.status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))];
   };
@@ -64,7 +64,7 @@ Ruling samples_of(const RunSummary& s) {
           "see the faults and conditions below; `tactus hil` looks at the link"};
 }
 
-Ruling own_work_of(const RunSummary& s) {
+RunRuling own_work_of(const RunSummary& s) {
   return {"own-work",
           "ticks lost to own work",
           "",
@@ -75,7 +75,7 @@ Ruling own_work_of(const RunSummary& s) {
           "fewer --members, a lower --rate, or --budget"};
 }
 
-Ruling scene_of(const std::vector<std::string>& problems) {
+RunRuling scene_of(const std::vector<std::string>& problems) {
   std::string found;
   for (const std::string& problem : problems) found += (found.empty() ? "" : "; ") + problem;
   return {"scene",   "problems of the scene",
@@ -84,7 +84,7 @@ Ruling scene_of(const std::vector<std::string>& problems) {
           found,     "mend the scene: `tactus scene check` says the same"};
 }
 
-Ruling overlap_of(const RunSummary& s) {
+RunRuling overlap_of(const RunSummary& s) {
   const physics::Overlap& deepest = s.global.overlap;
   const bool known = s.has_global && deepest.share >= s.stats.deepest_share;
   const double share = std::max(s.stats.deepest_share, s.has_global ? deepest.share : 0.0);
@@ -104,7 +104,7 @@ Ruling overlap_of(const RunSummary& s) {
 }
 
 // An incomplete energy account is not judged.
-void add_energy(const RunSummary& s, std::vector<Ruling>& rulings) {
+void add_energy(const RunSummary& s, std::vector<RunRuling>& rulings) {
   const sim::EnergyBalance& balance = s.global.energy;
   if (!s.has_global || !balance.complete) return;
   const double in_play_J = balance.in_play_J(), found_J = balance.unexplained_J;
@@ -120,7 +120,7 @@ void add_energy(const RunSummary& s, std::vector<Ruling>& rulings) {
        "there is no border"});
 }
 
-Ruling border_of(const RunSummary& s) {
+RunRuling border_of(const RunSummary& s) {
   const auto bit = static_cast<unsigned>(std::countr_zero(static_cast<std::uint32_t>(kBorderSpent)));
   const std::uint64_t ticks = s.stats.status_ticks[bit];
   return {"border",
@@ -146,7 +146,7 @@ std::string capacity_words(std::uint32_t bits) {
   return words.empty() ? "entries" : words;
 }
 
-Ruling capacity_of(const RunSummary& s) {
+RunRuling capacity_of(const RunSummary& s) {
   const std::uint32_t bits = s.stats.capacity_bits | (s.has_global ? s.global.capacity_bits : 0u);
   const std::uint64_t dropped = s.stats.dropped + (s.has_global ? s.global.dropped_entries : 0u);
   return {"capacity",
@@ -159,7 +159,7 @@ Ruling capacity_of(const RunSummary& s) {
           "fewer --members, or a scene with fewer contacts in one place"};
 }
 
-Ruling deadlines_of(const RunSummary& s) {
+RunRuling deadlines_of(const RunSummary& s) {
   const std::uint64_t late = s.overruns_late_wake + s.overruns_interrupted, lost = late + s.timing.skipped_ticks;
   const std::uint64_t all = s.timing.ticks + s.timing.skipped_ticks;
   return {"deadlines",
@@ -173,7 +173,7 @@ Ruling deadlines_of(const RunSummary& s) {
           true};
 }
 
-Ruling clock_of(const RunSummary& s) {
+RunRuling clock_of(const RunSummary& s) {
   const double run_ms = static_cast<double>(s.stats.ticks) * s.options.period_s() * 1e3;
   const double cycles_ms = kLateCycles * s.ratio * s.options.period_s() * 1e3, late_ms = s.dilation_ms();
   return {"clock",
@@ -187,7 +187,7 @@ Ruling clock_of(const RunSummary& s) {
           true};
 }
 
-Ruling setup_of(const RunSummary& s) {
+RunRuling setup_of(const RunSummary& s) {
   std::string names;
   unsigned failed = 0;
   for (const auto& step : s.setup.steps)
@@ -206,7 +206,7 @@ Ruling setup_of(const RunSummary& s) {
           true};
 }
 
-Ruling tape_of(const RunSummary& s) {
+RunRuling tape_of(const RunSummary& s) {
   const bool faulty = !s.tape_fault.empty();
   return {"tape",
           "ticks and records that are not on the tape",
@@ -221,7 +221,7 @@ Ruling tape_of(const RunSummary& s) {
 }
 
 // A limit is infinite if the rule does not have that level.
-std::string limit_text(const Ruling& r) {
+std::string limit_text(const RunRuling& r) {
   const double limit = r.level() == Level::kBad ? r.bad_above : r.degraded_above;
   const auto number = [](double x) { return std::abs(x) < 1000 ? fmt::format("{:.3g}", x) : fmt::format("{:.0f}", x); };
   return limit > 0 ? fmt::format(" ({} {}; good up to {})", number(r.measured), r.unit,
@@ -248,29 +248,29 @@ const char* name_of(Level level) noexcept {
 }
 
 // Written so that NaN is not good.
-Level Ruling::level() const noexcept {
+Level RunRuling::level() const noexcept {
   if (!(measured <= bad_above)) return Level::kBad;
   return measured <= degraded_above ? Level::kGood : Level::kDegraded;
 }
 
-Level Verdict::level() const noexcept {
+Level RunVerdict::level() const noexcept {
   Level worst = Level::kGood;
-  for (const Ruling& ruling : rulings) worst = std::max(worst, ruling.level());
+  for (const RunRuling& ruling : rulings) worst = std::max(worst, ruling.level());
   return worst;
 }
 
-std::string Verdict::line() const {
+std::string RunVerdict::line() const {
   const Level worst = level();
   if (worst == Level::kGood) return "good";
   const auto first =
-      std::find_if(rulings.begin(), rulings.end(), [worst](const Ruling& r) { return r.level() == worst; });
+      std::find_if(rulings.begin(), rulings.end(), [worst](const RunRuling& r) { return r.level() == worst; });
   return fmt::format("{}: {}", worst == Level::kBad ? "BAD" : "DEGRADED", first->found);
 }
 
-std::string Verdict::text() const {
+std::string RunVerdict::text() const {
   std::string text;
   for (const Level level : {Level::kBad, Level::kDegraded})
-    for (const Ruling& r : rulings)
+    for (const RunRuling& r : rulings)
       if (r.level() == level)
         text += fmt::format("  {:<8} {:<13} {}{}\n  {:<22} {}\n", name_of(level), r.rule, r.found, limit_text(r), "",
                             r.remedy);
@@ -281,8 +281,9 @@ double most_lost_of_10000(std::uint64_t ticks) noexcept {
   return ticks == 0 ? 1.0 : std::max(1.0, 1e4 / static_cast<double>(ticks));
 }
 
-std::vector<Ruling> judge_simulation(const RunSummary& s) {
-  std::vector<Ruling> rulings{fault_of(s), recovered_of(s), samples_of(s), scene_of(s.scene_problems), overlap_of(s)};
+std::vector<RunRuling> judge_simulation(const RunSummary& s) {
+  std::vector<RunRuling> rulings{fault_of(s), recovered_of(s), samples_of(s), scene_of(s.scene_problems),
+                                 overlap_of(s)};
   add_energy(s, rulings);
   rulings.push_back(border_of(s));
   rulings.push_back(capacity_of(s));
@@ -292,19 +293,19 @@ std::vector<Ruling> judge_simulation(const RunSummary& s) {
   return rulings;
 }
 
-Verdict judge(const RunSummary& s) {
-  Verdict verdict{judge_simulation(s)};
+RunVerdict judge(const RunSummary& s) {
+  RunVerdict verdict{judge_simulation(s)};
   if (!s.real_time) return verdict;
   verdict.rulings.insert(verdict.rulings.begin() + 1, own_work_of(s));
   verdict.rulings.push_back(deadlines_of(s));
   return verdict;
 }
 
-Verdict judge(const sim::SceneReport& report) { return {{scene_of(report.problems)}}; }
+RunVerdict judge(const sim::SceneReport& report) { return {{scene_of(report.problems)}}; }
 
-nlohmann::json to_json(const Verdict& verdict) {
+nlohmann::json to_json(const RunVerdict& verdict) {
   nlohmann::json list = nlohmann::json::array();
-  for (const Ruling& r : verdict.rulings) {
+  for (const RunRuling& r : verdict.rulings) {
     nlohmann::json one{{"rule", r.rule},
                        {"level", name_of(r.level())},
                        {"figure", r.figure},

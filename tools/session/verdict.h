@@ -42,7 +42,7 @@ enum class Level : std::uint32_t { kGood = 0, kDegraded = 1, kBad = 2 };
 const char* name_of(Level level) noexcept;  // one word: good, degraded, bad
 
 // Result of one rule. Good up to `degraded_above` or, if that is infinite, up to `bad_above`.
-struct Ruling {
+struct RunRuling {
   std::string rule, figure, unit;
   double measured{0};
   double degraded_above{std::numeric_limits<double>::infinity()}, bad_above{std::numeric_limits<double>::infinity()};
@@ -52,8 +52,8 @@ struct Ruling {
   Level level() const noexcept;
 };
 
-struct Verdict {
-  std::vector<Ruling> rulings;  // all that apply, good ones too, in the order of the table
+struct RunVerdict {
+  std::vector<RunRuling> rulings;  // all that apply, good ones too, in the order of the table
 
   Level level() const noexcept;  // the worst
   int exit_code() const noexcept { return level() == Level::kBad ? 1 : 0; }
@@ -61,15 +61,15 @@ struct Verdict {
   std::string text() const;  // a line for each reason, with figure, limit and remedy; empty if good
 };
 
-Verdict judge(const RunSummary& summary);
+RunVerdict judge(const RunSummary& summary);
 // Applies the rule `scene` only, to a scene without a run.
-Verdict judge(const sim::SceneReport& report);
+RunVerdict judge(const sim::SceneReport& report);
 // All rules except those based on a clock: for `tactus timing`, which has its own rows for deadlines and own work.
-std::vector<Ruling> judge_simulation(const RunSummary& summary);
+std::vector<RunRuling> judge_simulation(const RunSummary& summary);
 
 // Accepted number of late ticks and skipped deadlines per 10 000: one, and one in a shorter run.
 double most_lost_of_10000(std::uint64_t ticks) noexcept;
 
-nlohmann::json to_json(const Verdict& verdict);  // an array: one object for each rule, its figure and its limits
+nlohmann::json to_json(const RunVerdict& verdict);  // an array: one object for each rule, its figure and its limits
 
 }  // namespace tactus::session

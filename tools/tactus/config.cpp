@@ -34,9 +34,9 @@ std::optional<std::vector<int>> cores_of_machine() {
   return cores && !cores->empty() ? cores : std::nullopt;
 }
 
-std::string names_of(const std::vector<service::DeviceChoice>& devices) {
+std::string names_of(const std::vector<service::ConfiguredDevice>& devices) {
   std::string names;
-  for (const service::DeviceChoice& device : devices) names += (names.empty() ? "" : ", ") + device.name;
+  for (const service::ConfiguredDevice& device : devices) names += (names.empty() ? "" : ", ") + device.name;
   return names;
 }
 
@@ -68,7 +68,8 @@ std::vector<std::string> problems_of(const ConfigOptions& options, std::string& 
     if (const auto& file = reading.configuration.devices[i].file; !file.empty())
       add(hal::load_device_file(file).message());
   std::vector<session::NamedDevice> named;
-  for (const service::DeviceChoice& device : reading.configuration.devices) named.push_back({device.name, device.file});
+  for (const service::ConfiguredDevice& device : reading.configuration.devices)
+    named.push_back({device.name, device.file});
   if (const Status status = session::check_distinct(named, "virtuose6d"); !status.ok())
     add(fmt::format("{}: [[device]]: {}", options.file, status.message()));
   if (const auto& budget = reading.configuration.budget; !budget.empty())

@@ -15,9 +15,9 @@
 namespace tactus::tools {
 namespace {
 
-using doctor::Finding;
+using doctor::MachineFinding;
+using doctor::MachineVerdict;
 using doctor::Report;
-using doctor::Verdict;
 
 struct DoctorOptions {
   doctor::Request request;
@@ -25,7 +25,7 @@ struct DoctorOptions {
   bool json{false}, fix{false};
 };
 
-std::string coloured(Verdict verdict, bool colour) {
+std::string coloured(MachineVerdict verdict, bool colour) {
   const std::string name = fmt::format("{:<5}", doctor::name_of(verdict));
   if (!colour) return name;
   constexpr const char* kColours[]{"32", "33", "31"};
@@ -35,7 +35,7 @@ std::string coloured(Verdict verdict, bool colour) {
 void print_text(const Report& report) {
   const bool colour = isatty(STDOUT_FILENO) != 0;
   int counts[3]{};
-  for (const Finding& f : report.findings) {
+  for (const MachineFinding& f : report.findings) {
     ++counts[static_cast<std::size_t>(f.verdict)];
     fmt::print("{}  {:<20} {}\n", coloured(f.verdict, colour), f.check, f.found);
     if (!f.remedy.empty()) fmt::print("       {:<20} remedy: {}\n", "", f.remedy);
@@ -44,28 +44,28 @@ void print_text(const Report& report) {
              counts[2]);
   if (!report.representative())
     fmt::print("timing figures taken here are NOT representative of a dedicated real-time PC:\n");
-  for (const Finding& f : report.findings)
+  for (const MachineFinding& f : report.findings)
     if (f.distorts) fmt::print("  {}: {}\n", f.check, f.found);
 }
 
 void print_fixes(const Report& report) {
   fmt::print("# What would remove the findings on this machine; read it, then run what you choose, as root.\n");
-  for (const Finding& f : report.findings)
+  for (const MachineFinding& f : report.findings)
     if (!f.commands.empty()) fmt::print("\n# {}: {}\n{}\n", f.check, f.found, f.commands);
 }
 
 void print_json(const Report& report) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  for (const Finding& f : report.findings)
+  for (const MachineFinding& f : report.findings)
     rows.push_back(
         {{"check", f.check}, {"verdict", doctor::name_of(f.verdict)}, {"found", f.found}, {"cure", f.remedy}});
   const nlohmann::ordered_json object{{"rows", rows}, {"cpu", report.cpu}, {"representative", report.representative()}};
   fmt::print("{}\n", report_text(object, 2));
 }
 
-Finding library_finding(const Result<std::string>& look) {
-  if (look.ok()) return {"library", Verdict::kGreen, look.value(), {}, {}};
-  return {"library", Verdict::kRed, look.message(), "install the maker's software, or say where it is", {}};
+MachineFinding library_finding(const Result<std::string>& look) {
+  if (look.ok()) return {"library", MachineVerdict::kGreen, look.value(), {}, {}};
+  return {"library", MachineVerdict::kRed, look.message(), "install the maker's software, or say where it is", {}};
 }
 
 int examine(DoctorOptions options) {
@@ -87,7 +87,7 @@ int examine(DoctorOptions options) {
     print_fixes(report);
   else
     print_text(report);
-  return report.worst() == Verdict::kRed ? kExitVerdictBad : kExitGood;
+  return report.worst() == MachineVerdict::kRed ? kExitVerdictBad : kExitGood;
 }
 
 }  // namespace

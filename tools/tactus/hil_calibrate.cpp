@@ -115,10 +115,11 @@ class Conversation {
 // Nullopt: `ended` says why.
 std::optional<hil::GainResult> measure(hil::HeldForce& force, hil::ScaleCalibration& pushes, Ended& ended) {
   Conversation person(force);
-  fmt::print(stderr,
-             "Put the scale below the grip, with a cup or some books on it, so that the grip rests on them near the\n"
-             "middle of its reach; switch the scale on and let go of the grip. Nothing pushes before you press Enter; "
-             "Ctrl-C ends it.\n");
+  fmt::print(
+      stderr,
+      "Put the scale below the grip, with a cup or some books on it, so that the grip rests on them near the\n"
+      "middle of its workspace; switch the scale on and let go of the grip. Nothing pushes before you press Enter; "
+      "Ctrl-C ends it.\n");
   const auto rest_g = person.grams("What does the scale show [g]? ", kForever, ended);
   if (!rest_g) return std::nullopt;
   for (unsigned push = 1; !pushes.done(); ++push) {

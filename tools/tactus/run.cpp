@@ -248,10 +248,10 @@ Status read_configuration(const CLI::App& app, RunCommand& command) {
   Options& o = command.options;
   const auto given = [&](const char* option) { return app.count(option) > 0; };
   if (!given("SCENE")) command.scene = from.scene;
-  std::vector<service::DeviceChoice> devices = command.configuration.devices;
+  std::vector<service::ConfiguredDevice> devices = command.configuration.devices;
   if (devices.empty()) devices.push_back({.name = from.device, .file = from.device_file, .core = from.cpu});
   EachHand each;
-  for (const service::DeviceChoice& device : devices) {
+  for (const service::ConfiguredDevice& device : devices) {
     each.devices.push_back(device.name);
     each.device_files.push_back(device.file);
     each.cpus.push_back(device.core);

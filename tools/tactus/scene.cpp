@@ -220,7 +220,7 @@ int check_scene(const CheckOptions& options) {
   if (!diagnostics.warnings.empty()) fmt::print(stderr, "{}\n", diagnostics.warning_message());
   const std::vector<HandGains> hands =
       report.coupling.accepted ? gains_of_hands(scene.value(), options.rate_Hz) : std::vector<HandGains>();
-  const session::Verdict verdict = session::judge(report);
+  const session::RunVerdict verdict = session::judge(report);
   if (options.json) {
     object["name"] = report.name;
     object["title"] = report.title;

@@ -87,7 +87,7 @@ void ShownRun::end(const session::RunSummary& summary) {
 }
 
 void ShownRun::say(const session::RunSummary& summary, bool ended) {
-  const session::Verdict verdict = session::judge(summary);
+  const session::RunVerdict verdict = session::judge(summary);
   nlohmann::ordered_json state{{"kind", "state"},
                                {"level", session::name_of(verdict.level())},
                                {"verdict", verdict.line()},

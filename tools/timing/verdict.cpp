@@ -28,9 +28,9 @@ std::vector<VerdictRow> judge(const TickStatistics& b) {
   };
 }
 
-std::vector<VerdictRow> rows_of(const std::vector<session::Ruling>& rulings) {
+std::vector<VerdictRow> rows_of(const std::vector<session::RunRuling>& rulings) {
   std::vector<VerdictRow> rows;
-  for (const session::Ruling& r : rulings) {
+  for (const session::RunRuling& r : rulings) {
     const bool bad = r.level() == session::Level::kBad;
     rows.push_back({r.figure, r.unit, r.measured, std::min(r.degraded_above, r.bad_above), bad,
                     r.level() == session::Level::kGood ? "" : r.found});

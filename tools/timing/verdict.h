@@ -25,7 +25,7 @@ struct VerdictRow {
 // Limits are shares of the period, as given in verdict.cpp with their reasons.
 std::vector<VerdictRow> judge(const TickStatistics& statistics);
 // The rules of a run as rows: `bad` sets `ours`, `degraded` does not.
-std::vector<VerdictRow> rows_of(const std::vector<session::Ruling>& rulings);
+std::vector<VerdictRow> rows_of(const std::vector<session::RunRuling>& rulings);
 
 enum class TimingVerdict { kGood, kMachine, kBad };
 TimingVerdict verdict_of(const std::vector<VerdictRow>& rows);

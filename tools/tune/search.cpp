@@ -15,10 +15,10 @@ constexpr double kWorth = 0.98, kForNothing = 1.005;
 
 // `what`: a member of Setting, or a function that returns a reference to the part that changes.
 template <class What, class T>
-void add(std::vector<Notch>& notches, const char* factor, const Setting& from, What what, T to) {
+void add(std::vector<SettingStep>& notches, const char* factor, const Setting& from, What what, T to) {
   const T now = std::invoke(what, from);
   if (now == to) return;
-  Notch notch{factor, fmt::format("{}", now), fmt::format("{}", to), from};
+  SettingStep notch{factor, fmt::format("{}", now), fmt::format("{}", to), from};
   std::invoke(what, notch.setting) = to;
   notches.push_back(notch);
 }
@@ -36,8 +36,8 @@ bool Trial::fits(const Limits& limits) const {
          setting.sub_steps <= limits.sub_steps;
 }
 
-std::vector<Notch> notches_up(const Setting& s, const Limits& limits) {
-  std::vector<Notch> notches;
+std::vector<SettingStep> notches_up(const Setting& s, const Limits& limits) {
+  std::vector<SettingStep> notches;
   if (2 * s.sub_steps <= limits.sub_steps) add(notches, "sub-steps", s, &Setting::sub_steps, 2 * s.sub_steps);
   if (s.relax_sweeps < 2) add(notches, "relax sweeps", s, &Setting::relax_sweeps, 2u);
   const unsigned most = std::min(limits.members, limits.bodies);
@@ -48,8 +48,8 @@ std::vector<Notch> notches_up(const Setting& s, const Limits& limits) {
   return notches;
 }
 
-std::vector<Notch> notches_down(const Setting& s, const Limits& limits) {
-  std::vector<Notch> notches;
+std::vector<SettingStep> notches_down(const Setting& s, const Limits& limits) {
+  std::vector<SettingStep> notches;
   const unsigned sub_steps = std::min(std::max(1u, s.sub_steps / 2), limits.sub_steps);
   if (sub_steps >= experiment::least_sub_steps(s.contact_Hz))
     add(notches, "sub-steps", s, &Setting::sub_steps, sub_steps);
@@ -60,8 +60,8 @@ std::vector<Notch> notches_down(const Setting& s, const Limits& limits) {
   return notches;
 }
 
-std::vector<Notch> notches_stiffer(const Setting& s) {
-  std::vector<Notch> notches;
+std::vector<SettingStep> notches_stiffer(const Setting& s) {
+  std::vector<SettingStep> notches;
   if (s.sub_steps >= experiment::least_sub_steps(2 * s.contact_Hz))
     add(notches, "contact frequency [Hz]", s, &Setting::contact_Hz, 2 * s.contact_Hz);
   return notches;
@@ -72,7 +72,7 @@ Found search(const Setting& start, const Limits& limits, const Measure& measure)
   found.best = measure(start);
   for (unsigned round = 0; round < kMaxRounds && !found.best.fits(limits); ++round) {
     std::vector<Trial> tried;
-    for (const Notch& notch : notches_down(found.best.setting, limits)) tried.push_back(measure(notch.setting));
+    for (const SettingStep& notch : notches_down(found.best.setting, limits)) tried.push_back(measure(notch.setting));
     std::erase_if(tried, [&](const Trial& t) { return !t.fits(limits) && !cheaper(t, found.best); });
     if (tried.empty()) return found;
     // Of the settings within the limits, or else of the cheaper ones, the most accurate.
@@ -84,7 +84,7 @@ Found search(const Setting& start, const Limits& limits, const Measure& measure)
   if (!found.fits) return found;
   for (unsigned round = 0; round < kMaxRounds; ++round) {
     Trial next = found.best;
-    for (const Notch& notch : notches_up(found.best.setting, limits)) {
+    for (const SettingStep& notch : notches_up(found.best.setting, limits)) {
       const Trial trial = measure(notch.setting);
       const double worth = kWorth * found.best.force_error;
       if (trial.fits(limits) && trial.force_error < std::min(worth, next.force_error)) next = trial;
@@ -93,7 +93,7 @@ Found search(const Setting& start, const Limits& limits, const Measure& measure)
     found.best = next;
   }
   const double error = found.best.force_error;
-  for (const Notch& notch : notches_down(found.best.setting, limits)) {
+  for (const SettingStep& notch : notches_down(found.best.setting, limits)) {
     if (notch.factor == "ratio") continue;  // the ratio changes only the global world's time
     const Trial trial = measure(notch.setting);
     if (trial.fits(limits) && trial.force_error <= kForNothing * error && cheaper(trial, found.best)) {

@@ -36,17 +36,17 @@ struct Trial {
   bool fits(const Limits& limits) const;
 };
 
-struct Notch {
+struct SettingStep {
   std::string factor, from, to;
   Setting setting;
 };
 
 // Steps from `setting`, one factor at a time: towards higher accuracy, and back. Within the limits of members and
 // sub-steps.
-std::vector<Notch> notches_up(const Setting& setting, const Limits& limits);
-std::vector<Notch> notches_down(const Setting& setting, const Limits& limits);
+std::vector<SettingStep> notches_up(const Setting& setting, const Limits& limits);
+std::vector<SettingStep> notches_down(const Setting& setting, const Limits& limits);
 // Steps to stiffer contacts, if the sub-steps resolve them; otherwise empty.
-std::vector<Notch> notches_stiffer(const Setting& setting);
+std::vector<SettingStep> notches_stiffer(const Setting& setting);
 
 using Measure = std::function<Trial(const Setting&)>;
 

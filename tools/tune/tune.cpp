@@ -157,7 +157,7 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
 Trial step_back(const Trial& from, const RealRun& real, const Limits& limits, Bench& bench) {
   const bool world_is_late = real.late_share > kMaxMissed;
   std::vector<Trial> tried;
-  for (const Notch& notch : notches_down(from.setting, limits))
+  for (const SettingStep& notch : notches_down(from.setting, limits))
     if ((notch.factor == "ratio") == world_is_late) tried.push_back(bench.measure(notch.setting));
   if (tried.empty()) return from;
   return *std::min_element(tried.begin(), tried.end(),
@@ -220,9 +220,9 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
     report.chosen = step_back(report.chosen, report.real, report.limits, bench);
   }
   pinned.emplace();
-  std::vector<Notch> further = notches_up(report.chosen.setting, report.limits);
-  for (const Notch& notch : notches_stiffer(report.chosen.setting)) further.push_back(notch);
-  for (const Notch& notch : further) {
+  std::vector<SettingStep> further = notches_up(report.chosen.setting, report.limits);
+  for (const SettingStep& notch : notches_stiffer(report.chosen.setting)) further.push_back(notch);
+  for (const SettingStep& notch : further) {
     const Trial trial = measure(notch.setting);
     report.further.push_back({notch, trial, trial.fits(report.limits)});
   }

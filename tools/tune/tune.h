@@ -43,7 +43,7 @@ struct RealRun {
 };
 
 struct FurtherStep {
-  Notch notch;
+  SettingStep notch;
   Trial trial;
   bool fits{false};
 };
@@ -55,8 +55,8 @@ struct TuneReport {
   double core_factor{1};  // time of a tick in the loop divided by that of the same tick back to back
   Trial written, chosen;
   bool fits{false};
-  session::Verdict of_scene;  // before any run, by the rule of `tactus scene check`
-  RealRun real;               // of the chosen one
+  session::RunVerdict of_scene;  // before any run, by the rule of `tactus scene check`
+  RealRun real;                  // of the chosen one
   std::vector<FurtherStep> further;
   unsigned trials{0};
 

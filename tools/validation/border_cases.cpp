@@ -177,6 +177,7 @@ Outcome friction_point(const Setting& setting) {
 }  // namespace
 
 std::vector<HardCase> border_cases() {
+  // Number, name, in steps of 10 ms too, function; why it fails in steps of 1 ms, of 10 ms.
   return {
       {33, "row of 24 bodies with a border through it", false, row_with_border,
        "ghosts: force off by 6.0 % free and 8.3 % with 60 mm to a wall, 5 allowed; capped: 27 % free, 25 allowed; at a "

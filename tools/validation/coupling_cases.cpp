@@ -264,6 +264,7 @@ Outcome coupling_limit(const Setting& setting) {
 }  // namespace
 
 std::vector<HardCase> coupling_cases() {
+  // Number, name, in steps of 10 ms too, function; why it fails in steps of 1 ms, of 10 ms.
   return {
       {13, "peg in a hole", true, peg_in_hole,
        "contacts leave an overlap of 10 um alone at either wall: tilts by 3.08 mrad, 2.63 allowed", "same"},

@@ -185,6 +185,7 @@ Outcome spinning_disk(const Setting& setting) {
 }  // namespace
 
 std::vector<HardCase> effect_cases() {
+  // Number, name, in steps of 10 ms too, function; why it fails in steps of 1 ms, of 10 ms.
   return {
       {25, "two balls meet, e = 1 and e = 0.5", true, head_on},
       {26, "bouncing ball, e = 0.8", true, bouncing_ball},

@@ -186,6 +186,7 @@ Outcome wedge(const Setting& setting) {
 }  // namespace
 
 std::vector<HardCase> friction_cases() {
+  // Number, name, in steps of 10 ms too, function; why it fails in steps of 1 ms, of 10 ms.
   return {
       {7, "slope at the friction threshold", true, slope_threshold},
       {8, "tall box on a slope: tips or slides", true, tips_or_slides},

@@ -211,6 +211,7 @@ Outcome bad_mesh(const Setting& setting) {
 }  // namespace
 
 std::vector<HardCase> impact_cases() {
+  // Number, name, in steps of 10 ms too, function; why it fails in steps of 1 ms, of 10 ms.
   return {
       {15, "rod at an angle without a rigid solution", true, painleve_rod},
       {17, "10 m/s on a plate of 2 mm", true, impact_on_a_plate},

@@ -120,6 +120,7 @@ Outcome floating_bodies(const Setting& setting) {
 }  // namespace
 
 std::vector<HardCase> motion_cases() {
+  // Number, name, in steps of 10 ms too, function; why it fails in steps of 1 ms, of 10 ms.
   return {
       {10, "body that tumbles about its middle axis", true, tumbling_body},
       {11, "thin rod at 200 rad/s", true, thin_rod},

@@ -33,7 +33,7 @@ Aabb box_of(const Body& body) { return bounds_of(body.shape, body.motion.pose, 0
 // Sets velocities to zero and adds a ground and, in every other world, four walls, some closer than its bodies need.
 // Otherwise the bodies fly apart and none is left standing. No body is larger than the space between the walls.
 RandomWorld calmed(RandomWorld world, Draw& random) {
-  double reach = 0, largest = 0;
+  double half_width = 0, largest = 0;
   bool grounded = false;
   for (Body& body : world.bodies) {
     body.motion.velocity = {};
@@ -41,7 +41,7 @@ RandomWorld calmed(RandomWorld world, Draw& random) {
     if (body.kind != BodyKind::kDynamic) continue;
     const Aabb box = box_of(body);
     largest = std::max(largest, bounding_radius(body.shape));
-    reach = std::max({reach, box.upper.x, box.upper.y, -box.lower.x, -box.lower.y});
+    half_width = std::max({half_width, box.upper.x, box.upper.y, -box.lower.x, -box.lower.y});
   }
   const auto add_plane = [&](const Posed& pose, double friction) {
     world.bodies.push_back(physics::make_fixed_body(static_cast<BodyId>(kFirstPlane + world.bodies.size()),
@@ -49,7 +49,7 @@ RandomWorld calmed(RandomWorld world, Draw& random) {
   };
   if (!grounded) add_plane({}, random.uniform(0, 1));
   if (random.chance(0.5)) return world;
-  const double at = std::max(reach * random.uniform(0.5, 1), largest), friction = random.uniform(0, 1);
+  const double at = std::max(half_width * random.uniform(0.5, 1), largest), friction = random.uniform(0, 1);
   for (const Vec3d way : {Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, -1, 0}})  // normals point inwards
     add_plane({-at * way, quat_from_rotation_vector(0.5 * kPi * cross(Vec3d{0, 0, 1}, way))}, friction);
   return world;

@@ -108,6 +108,7 @@ Outcome far_from_origin(const Setting& setting) {
 }  // namespace
 
 std::vector<HardCase> rest_cases() {
+  // Number, name, in steps of 10 ms too, function; why it fails in steps of 1 ms, of 10 ms.
   return {
       {1, "box at rest for a thousand seconds", true, box_at_rest},
       {12, "long thin box dropped on an edge", true, long_thin_box},

@@ -416,6 +416,7 @@ path = [
 }  // namespace
 
 std::vector<HardCase> session_cases() {
+  // Number, name, in steps of 10 ms too, function; why it fails in steps of 1 ms, of 10 ms.
   return {
       {18, "samples that cannot be", false, bad_samples},
       {31, "stiffest coupling on a wall for 30 s", false, stiff_wall},

@@ -209,6 +209,7 @@ StackState stack_in_tactus(const StackSpec& spec, double step_s) {
 }
 
 std::vector<HardCase> stack_cases() {
+  // Number, name, in steps of 10 ms too, function; why it fails in steps of 1 ms, of 10 ms.
   return {
       {2, "stack of twenty cubes", true, twenty_cubes},
       {3, "stack of forty cubes", true, forty_cubes,

@@ -41,7 +41,7 @@ TapeShow::TapeShow(session::OpenTape tape, std::unique_ptr<session::Session> ses
     if (body.kind == physics::BodyKind::kDynamic) place_of_[body.id] = static_cast<std::uint32_t>(bodies_++);
 }
 
-const std::optional<session::Verdict>& TapeShow::verdict() {
+const std::optional<session::RunVerdict>& TapeShow::verdict() {
   if (verdict_ || !history_->done()) return verdict_;
   const auto world = history_->statistics();
   if (world) counts_.take_world(*world);

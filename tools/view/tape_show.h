@@ -31,7 +31,7 @@ class TapeShow {
   const WorldHistory& history() const noexcept { return *history_; }
   // Of the whole tape, by the rules of `tactus run`: those that can be judged from a tape. Empty: the world outside is
   // still being rebuilt.
-  const std::optional<session::Verdict>& verdict();
+  const std::optional<session::RunVerdict>& verdict();
 
   std::uint64_t tick() const noexcept { return tick_; }  // that is shown
   bool at_end() const noexcept { return tick_ >= index_.last_tick; }
@@ -56,7 +56,7 @@ class TapeShow {
   std::unique_ptr<session::Session> session_;
   session::RunningSummary counts_;  // before the player takes the session's loop
   TapeIndex index_;
-  std::optional<session::Verdict> verdict_;
+  std::optional<session::RunVerdict> verdict_;
   session::TapePlayer player_;
   std::vector<std::uint32_t> place_of_;  // by body id: its place among the moving bodies
   std::size_t bodies_{0};                // moving ones

@@ -25,7 +25,7 @@ constexpr Config make_configuration() noexcept {
 inline constexpr AxisValues kFullEffort{2.5f, 2.5f, 2.5f, 0.0f, 0.0f, 0.0f};
 
 // On a chip, read the serial number from its unique ID instead.
-inline constexpr Identity kIdentity = make_identity(DeviceClass::kDesk3, "mps2-an386");
+inline constexpr Identity kIdentity = make_identity(MechanismClass::kDesk3, "mps2-an386");
 
 inline constexpr std::uint32_t kSerialBitRate_Hz = 1'000'000;
 // If the program hangs this long, the NMI shorts the motors; after twice this time the chip is reset.

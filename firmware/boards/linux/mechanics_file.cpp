@@ -81,7 +81,7 @@ std::string set_key(std::string_view key, std::string_view value, MechanicsDescr
   if (key == "device_class") {
     std::uint32_t number = 0;
     std::string accepted = set_number(value, 0, 65535, number);
-    if (accepted.empty()) d.device_class = static_cast<DeviceClass>(number);
+    if (accepted.empty()) d.device_class = static_cast<MechanismClass>(number);
     return accepted;
   }
   known = false;

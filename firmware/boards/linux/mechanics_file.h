@@ -39,7 +39,7 @@ struct AxisDescription {
 };
 
 struct MechanicsDescription {
-  DeviceClass device_class{DeviceClass::kUnknown};
+  MechanismClass device_class{MechanismClass::kUnknown};
   Config control;  // except its period, which the program sets
   std::array<AxisDescription, kAxes> axes;
   LineDescription stop_line, motor_bus, brake_line;

@@ -16,7 +16,11 @@ CanOpenError CanDeviceLink::open(const CanDeviceOptions& options) noexcept {
   const std::array<can_filter, 3> filters{exactly(can_id(CanFunction::kCommand0, options.node)),
                                           exactly(can_id(CanFunction::kCommand1, options.node)),
                                           exactly(can_id(CanFunction::kServiceRequest, options.node))};
-  return socket_.open({options.interface, filters, kErrors, options.fd, kQueuedSends});
+  return socket_.open({.interface = options.interface,
+                       .filters = filters,
+                       .errors = kErrors,
+                       .fd = options.fd,
+                       .queued_sends = kQueuedSends});
 }
 
 std::size_t CanDeviceLink::receive_command(std::span<std::byte, kMaxFrameSize> buffer) noexcept {

@@ -107,6 +107,7 @@ int run(const ProgramOptions& options, const BoardOptions& board, CanDeviceOptio
 int main(int argc, char** argv) {
   ProgramOptions options;
   BoardOptions board;
+  // Name, value, meaning, target.
   const BoardOption board_options[] = {
       {"interface", "NAME", "CAN interface; can0 if not given", &board.interface},
       {"node", "N", "node id, 1 to 127; the stored one, or 1, if not given", &board.node},

@@ -52,6 +52,7 @@ int run(const ProgramOptions& options, const GadgetOptions& gadget, const Mechan
 int main(int argc, char** argv) {
   ProgramOptions options;
   GadgetOptions gadget;
+  // Name, value, meaning, target.
   const BoardOption board_options[] = {
       {"serial", "TEXT", "this device's own serial number, at most 16 characters", &gadget.serial},
       {"udc", "NAME", "the USB device controller, if there are several", &gadget.udc},

@@ -91,10 +91,10 @@ TACTUS_INLINE AxisTestOf<V, V> test_axes(const BoxAxes<V>& b, V margin) noexcept
       const V sine_squared = b.r[i1][j] * b.r[i1][j] + b.r[i2][j] * b.r[i2][j];
       const auto tested = both(open, sine_squared > V(kParallelSineSquared));
       if (!any(tested)) continue;
-      const V reach =
+      const V extent =
           b.h[i1] * abs_r[i2][j] + b.h[i2] * abs_r[i1][j] + b.h[3 + j1] * abs_r[i][j2] + b.h[3 + j2] * abs_r[i][j1];
       const V sine = sqrt(sine_squared);
-      const V separation = (abs(b.d_a[i2] * b.r[i1][j] - b.d_a[i1] * b.r[i2][j]) - reach) / sine;
+      const V separation = (abs(b.d_a[i2] * b.r[i1][j] - b.d_a[i1] * b.r[i2][j]) - extent) / sine;
       const V code(kFirstEdge + 3 * i + j);
       const auto parts = both(tested, separation > margin);
       test.apart = select(parts, code, test.apart);

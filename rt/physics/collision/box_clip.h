@@ -125,7 +125,8 @@ inline ClipPolygon clip_to_rectangle(const IncidentFace& face, double half_u, do
 
   ClipPolygon polygon;
   const auto add = [&polygon](const Points4& from, int lane, unsigned id, unsigned count) noexcept {
-    polygon.points[polygon.count] = {from.u[lane], from.v[lane], from.w[lane], static_cast<std::uint8_t>(id), false};
+    polygon.points[polygon.count] = {
+        .u = from.u[lane], .v = from.v[lane], .w = from.w[lane], .id = static_cast<std::uint8_t>(id), .kept = false};
     polygon.count += count;
   };
   const auto has = [](unsigned bits, int n) noexcept { return bits >> n & 1u; };

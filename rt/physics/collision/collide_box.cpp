@@ -19,9 +19,9 @@ struct BoxPair : BoxAxes<double> {
 
   // Gap between the projections of the boxes onto the unit vector n.
   double separation_along(const Vec3d& n) const noexcept {
-    double reach = 0.0;
-    for (int i = 0; i < 3; ++i) reach += h[i] * std::abs(dot(axis_a[i], n)) + h[3 + i] * std::abs(dot(axis_b[i], n));
-    return std::abs(dot(n, b_from_a)) - reach;
+    double extent = 0.0;
+    for (int i = 0; i < 3; ++i) extent += h[i] * std::abs(dot(axis_a[i], n)) + h[3 + i] * std::abs(dot(axis_b[i], n));
+    return std::abs(dot(n, b_from_a)) - extent;
   }
 };
 

@@ -49,7 +49,7 @@ double face_separation(const RelativeHulls& ab, const AxisCache& face) noexcept 
   if (face.axis == kHullFaceA && face.a < ab.ref.topology->faces) return ab.face_separation(face.a);
   if (face.axis != kHullFaceB || face.b >= ab.other.topology->faces) return -std::numeric_limits<double>::infinity();
   const Vec3d n = ab.to_ref(ab.other.normal(face.b));
-  return -dot(n, ab.centre) - ab.ref.reach_along(-n) - ab.other.offsets[face.b];
+  return -dot(n, ab.centre) - ab.ref.support_along(-n) - ab.other.offsets[face.b];
 }
 
 void report_apart(const PairView& pair, double gap, AxisCache face, Manifold& manifold) noexcept {
@@ -65,7 +65,7 @@ bool are_still_apart(const PairView& pair, const RelativeHulls& ab, Manifold& ma
     report_apart(pair, gap, pair.apart, manifold);
     return true;
   }
-  const HullGap gap = gap_of(ab, pair.margin);
+  const HullSeparation gap = gap_of(ab, pair.margin);
   if (!gap.apart) return false;
   const AxisCache a = face_of_a(ab.ref.face_along(gap.along)),
                   b = face_of_b(ab.other.face_along(ab.to_other(-gap.along)));

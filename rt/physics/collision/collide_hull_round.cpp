@@ -201,8 +201,11 @@ void collide_sphere_hull(const PairView& pair, const HullView& hull, Manifold& m
 }
 
 void collide_capsule_hull(const PairView& pair, const HullView& hull, Manifold& manifold) noexcept {
-  const CapsuleHull c{pair, hull, rotate_inverse(pair.world_from_b, -pair.b_from_a),
-                      rotate_inverse(pair.world_from_b, capsule_half_axis(pair.a, pair.world_from_a)), pair.a.radius};
+  const CapsuleHull c{.pair = pair,
+                      .hull = hull,
+                      .centre = rotate_inverse(pair.world_from_b, -pair.b_from_a),
+                      .half = rotate_inverse(pair.world_from_b, capsule_half_axis(pair.a, pair.world_from_a)),
+                      .radius = pair.a.radius};
   LineRange inside;
   for (std::uint32_t f = 0; f < hull.topology->faces; ++f) {
     const double middle = dot(hull.normal(f), c.centre) - hull.offsets[f], slope = dot(hull.normal(f), c.half);

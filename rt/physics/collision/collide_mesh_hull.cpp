@@ -39,7 +39,7 @@ struct TriangleHull {
   static constexpr int kPadded = kLanes<Register<double>>;
   alignas(32) double x[kPadded], y[kPadded], z[kPadded];
   alignas(32) double nx[kPadded], ny[kPadded], nz[kPadded], offsets[kPadded];  // of two faces
-  double edge_reach[3];
+  double edge_secant[3];
 
   TriangleHull(const RimTriangle& triangle, const Vec3d& normal) noexcept {
     for (std::uint32_t i = 0; i < kPadded; ++i) {
@@ -56,10 +56,10 @@ struct TriangleHull {
       nz[f] = n.z;
       offsets[f] = larger(larger(dot(n, c[0]), dot(n, c[1])), dot(n, c[2]));
     }
-    for (double& reach : edge_reach) reach = std::numeric_limits<double>::infinity();
+    for (double& secant : edge_secant) secant = std::numeric_limits<double>::infinity();
   }
   HullView view() const noexcept {
-    return {&kTriangleTopology, x, y, z, nx, ny, nz, offsets, kPadded, kPadded, edge_reach, edge_reach[0], 0.0, 0.0};
+    return {&kTriangleTopology, x, y, z, nx, ny, nz, offsets, kPadded, kPadded, edge_secant, edge_secant[0], 0.0, 0.0};
   }
 };
 
@@ -106,7 +106,7 @@ class HullOnPatch {
   bool is_near() const noexcept {
     const double height = dot(plane_.normal, patch_.centre) - plane_.offset;
     const Vec3d down = -to_hull(plane_.normal);
-    return height > 0.0 && height - hull_.reach_along(down) <= patch_.pair.margin;
+    return height > 0.0 && height - hull_.support_along(down) <= patch_.pair.margin;
   }
 
   void look_at(std::uint32_t triangle) noexcept {

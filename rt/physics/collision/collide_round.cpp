@@ -38,13 +38,13 @@ SideBySide side_by_side(const Vec3d& half_a, const Vec3d& half_b, const Vec3d& o
   }
   const double aa = dot(half_a, half_a), ab = dot(half_a, half_b);
   if (!(aa > kNoDirection) || !(std::abs(ab) > 0.5 * norm(half_b) * std::sqrt(aa))) return {};
-  // In units of A's half length along A: A covers [-1, 1], B covers centre -+ reach.
-  const double centre = dot(half_a, offset) / aa, reach = ab / aa;
-  const double low = std::max(-1.0, centre - std::abs(reach)), high = std::min(1.0, centre + std::abs(reach));
+  // In units of A's half length along A: A covers [-1, 1], B covers centre -+ span.
+  const double centre = dot(half_a, offset) / aa, span = ab / aa;
+  const double low = std::max(-1.0, centre - std::abs(span)), high = std::min(1.0, centre + std::abs(span));
   if (!((high - low) * std::sqrt(aa) > kFlatTolerance)) return {};
   SideBySide result{true, {}, {}};
   for (int i = 0; i < 2; ++i) {
-    const double s = i == 0 ? low : high, t = std::clamp((s - centre) / reach, -1.0, 1.0);
+    const double s = i == 0 ? low : high, t = std::clamp((s - centre) / span, -1.0, 1.0);
     result.on_a[i] = half_a * s;
     result.on_b[i] = offset + half_b * t;
   }

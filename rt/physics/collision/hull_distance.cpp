@@ -9,7 +9,7 @@ constexpr int kMaxRounds = 24;
 
 }  // namespace
 
-HullGap gap_of(const RelativeHulls& hulls, double margin) noexcept {
+HullSeparation gap_of(const RelativeHulls& hulls, double margin) noexcept {
   // Relative progress below which the distance is known well enough: far above rounding.
   constexpr double kProgress = 1e-10;
   Vec3d nearest = hulls.centre;  // the centres are in the hulls

@@ -10,13 +10,13 @@
 
 namespace tactus::physics {
 
-struct HullGap {
+struct HullSeparation {
   bool apart{false};  // true: the distance exceeds the margin
   double gap{};       // m: if apart, a lower bound of the distance that exceeds the margin
   Vec3d along;        // if apart: the direction of the gap, from ref to the other, of any length
 };
 
 // A pose that is not finite counts as not apart: the tests that follow reject it.
-HullGap gap_of(const RelativeHulls& hulls, double margin) noexcept;
+HullSeparation gap_of(const RelativeHulls& hulls, double margin) noexcept;
 
 }  // namespace tactus::physics

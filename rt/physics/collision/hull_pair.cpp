@@ -25,31 +25,31 @@ struct EdgeList {
 
 // Lists the edges of ref that may separate the hulls by more than `at_least`.
 //
-// An axis between the normals n0, n1 of an edge's faces is a n0 + b n1 with a + b between 1 and edge_reach. A point of
+// An axis between the normals n0, n1 of an edge's faces is a n0 + b n1 with a + b between 1 and edge_secant. A point of
 // the other hull at distances d0, d1 from the two planes bounds the separation along such an axis: by max(d0, d1) if
-// that is not positive, else by edge_reach times it; for a sphere about the point its radius is subtracted. Two points
+// that is not positive, else by edge_secant times it; for a sphere about the point its radius is subtracted. Two points
 // are tested: the centre with the inscribed sphere, and the vertex that is deepest behind the best face.
 void list_edges(const RelativeHulls& hulls, double at_least, const FaceSearch& search, EdgeList& list) noexcept {
   const HullTopology& topology = *hulls.ref.topology;
   // The planes of merged faces are outside their vertices by up to the flatness.
   const double slack = hulls.ref.flatness;
-  const auto bound = [slack](double d0, double d1, double reach) noexcept {
+  const auto bound = [slack](double d0, double d1, double secant) noexcept {
     const double d = larger(d0, d1) + slack;
-    return d > 0.0 ? d * reach : d;
+    return d > 0.0 ? d * secant : d;
   };
-  // An edge passes a test only if the point is high enough above one of its faces, with the largest reach of all edges.
-  // Fewest faces are below the deepest vertex; only their edges are visited, each from its left face if that is one of
-  // them.
+  // An edge passes a test only if the point is high enough above one of its faces, with the largest secant of all
+  // edges. Fewest faces are below the deepest vertex; only their edges are visited, each from its left face if that is
+  // one of them.
   const double by_centre = at_least + hulls.other.inner_radius;
-  const double least = (at_least > 0.0 ? at_least / hulls.ref.largest_reach : at_least) - slack;
+  const double least = (at_least > 0.0 ? at_least / hulls.ref.largest_secant : at_least) - slack;
   for_each_face_above(search.deepest, least, topology.faces, [&](std::uint32_t f) noexcept {
     for (std::uint32_t k = topology.loop_start[f]; k < topology.loop_start[f + 1]; ++k) {
       const std::uint8_t e = topology.loop_edges[k];
       const HullEdge& edge = topology.edge[e];
       if (edge.left != f && !(search.deepest.of[edge.left] < least)) continue;
-      const double reach = hulls.ref.edge_reach[e];
-      if (bound(search.centre.of[edge.left], search.centre.of[edge.right], reach) < by_centre) continue;
-      if (bound(search.deepest.of[edge.left], search.deepest.of[edge.right], reach) < at_least) continue;
+      const double secant = hulls.ref.edge_secant[e];
+      if (bound(search.centre.of[edge.left], search.centre.of[edge.right], secant) < by_centre) continue;
+      if (bound(search.deepest.of[edge.left], search.deepest.of[edge.right], secant) < at_least) continue;
       list.edge[list.count++] = e;
     }
   });
@@ -134,7 +134,11 @@ EdgeAxis edge_axis(const RelativeHulls& hulls, std::uint32_t e, std::uint32_t ot
   if (!(length_squared > kParallelSineSquared * norm_squared(along) * norm_squared(other_along))) return {};
   // The origin is inside ref, so the outward direction is the one towards the edge's vertices.
   const Vec3d n = w * ((dot(w, from) < 0.0 ? -1.0 : 1.0) / std::sqrt(length_squared));
-  return {true, e, other_e, n, dot(n, hulls.centre + hulls.to_ref(other_from) - from)};
+  return {.found = true,
+          .edge = e,
+          .other_edge = other_e,
+          .normal = n,
+          .separation = dot(n, hulls.centre + hulls.to_ref(other_from) - from)};
 }
 
 // Two edges make a face of the Minkowski difference if and only if their arcs on the Gauss sphere cross (Gregorius

@@ -31,11 +31,11 @@ struct RelativeHulls {
 
   double face_separation(std::uint32_t face) const noexcept {
     const Vec3d n = ref.normal(face);
-    return dot(n, centre) - other.reach_along(to_other(-n)) - ref.offsets[face];
+    return dot(n, centre) - other.support_along(to_other(-n)) - ref.offsets[face];
   }
   // Gap between the projections onto the unit vector n, which points from ref to the other.
   double separation_along(const Vec3d& n) const noexcept {
-    return dot(n, centre) - other.reach_along(to_other(-n)) - ref.reach_along(n);
+    return dot(n, centre) - other.support_along(to_other(-n)) - ref.support_along(n);
   }
 };
 

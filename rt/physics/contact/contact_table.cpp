@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "rt/physics/collision/collide.h"
-#include "rt/physics/collision/mesh_reach.h"
+#include "rt/physics/collision/mesh_culling.h"
 #include "rt/physics/contact/pair_friction.h"
 #include "rt/physics/contact/redundant_points.h"
 #include "rt/physics/contact/rolling_side.h"

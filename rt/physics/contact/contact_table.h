@@ -144,7 +144,12 @@ class ContactTable {
   const Body& b = pair.key.with_fixed() ? scene.fixed_bodies[pair.b] : scene.bodies[pair.b];
   const std::uint32_t part_a = pair.key.part_of(a.id), part_b = pair.key.part_of(b.id);  // of a patch: 0
   const Compounds compounds = scene.shapes.compounds;
-  return {a, b, part_a, part_b, part_shape(a.shape, part_a, compounds), part_shape(b.shape, part_b, compounds)};
+  return {.a = a,
+          .b = b,
+          .part_a = part_a,
+          .part_b = part_b,
+          .shape_a = part_shape(a.shape, part_a, compounds),
+          .shape_b = part_shape(b.shape, part_b, compounds)};
 }
 
 }  // namespace tactus::physics

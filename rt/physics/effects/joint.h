@@ -41,10 +41,18 @@ struct JointEffort {
   double drive{}, lower{}, upper{};  // along or about the axis: motor; rod or lower limit; upper limit
 
   friend constexpr JointEffort operator*(double s, const JointEffort& e) noexcept {
-    return {s * e.linear, s * e.angular, s * e.drive, s * e.lower, s * e.upper};
+    return {.linear = s * e.linear,
+            .angular = s * e.angular,
+            .drive = s * e.drive,
+            .lower = s * e.lower,
+            .upper = s * e.upper};
   }
   friend constexpr JointEffort operator+(const JointEffort& p, const JointEffort& q) noexcept {
-    return {p.linear + q.linear, p.angular + q.angular, p.drive + q.drive, p.lower + q.lower, p.upper + q.upper};
+    return {.linear = p.linear + q.linear,
+            .angular = p.angular + q.angular,
+            .drive = p.drive + q.drive,
+            .lower = p.lower + q.lower,
+            .upper = p.upper + q.upper};
   }
 };
 

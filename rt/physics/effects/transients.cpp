@@ -66,8 +66,11 @@ void Transients::ring(StageContext& c) noexcept {
     if (touch.speed < kMinSpeed || std::find(before.begin(), before.end(), touch.other) != before.end()) continue;
     const Ringing& surface = setup_.by_id[touch.other];
     const bool proxy_is_a = c.bodies[contact.slot_a].id == setup_.proxy;
-    start({proxy_is_a ? -contact.normal : contact.normal, 0.0, surface.strength_Ns_per_m * touch.speed,
-           surface.frequency_Hz, surface.decay_s});
+    start({.direction = proxy_is_a ? -contact.normal : contact.normal,
+           .sine_N = 0.0,
+           .cosine_N = surface.strength_Ns_per_m * touch.speed,
+           .frequency_Hz = surface.frequency_Hz,
+           .decay_s = surface.decay_s});
   }
   state_.touched = touched;
 

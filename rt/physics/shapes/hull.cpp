@@ -78,8 +78,8 @@ void add_planes(Hull& hull) noexcept {
   }
   for (std::uint32_t e = 0; e < topology.edges; ++e) {
     const double cosine = dot(hull.normal(topology.edge[e].left), hull.normal(topology.edge[e].right));
-    hull.edge_reach[e] = 1 / std::sqrt(std::max(0.5 * (1 + cosine), 1e-12));
-    hull.largest_reach = std::max(hull.largest_reach, hull.edge_reach[e]);
+    hull.edge_secant[e] = 1 / std::sqrt(std::max(0.5 * (1 + cosine), 1e-12));
+    hull.largest_secant = std::max(hull.largest_secant, hull.edge_secant[e]);
   }
 }
 
@@ -92,9 +92,9 @@ void place_vertices(std::span<const Vec3d> vertices, const Posed& given_from_bod
     hull.y[i] = v.y;
     hull.z[i] = v.z;
     hull.bounding_radius = std::max(hull.bounding_radius, norm(v));
-    const Vec3d reach = abs(v);
-    hull.half_extents = {std::max(hull.half_extents.x, reach.x), std::max(hull.half_extents.y, reach.y),
-                         std::max(hull.half_extents.z, reach.z)};
+    const Vec3d extents = abs(v);
+    hull.half_extents = {std::max(hull.half_extents.x, extents.x), std::max(hull.half_extents.y, extents.y),
+                         std::max(hull.half_extents.z, extents.z)};
   }
 }
 

@@ -56,8 +56,8 @@ struct Hull {
   // Face planes n.p = offset: unit outward normals, and the largest of n.v over all vertices [m]; padded with copies of
   // face 0.
   alignas(32) std::array<double, kMaxHullFaces> nx{}, ny{}, nz{}, offsets{};
-  std::array<double, kMaxHullEdges> edge_reach{};  // 1 / cos(half the angle between the normals of the edge's faces)
-  double largest_reach{};                          // of edge_reach
+  std::array<double, kMaxHullEdges> edge_secant{};  // 1 / cos(half the angle between the normals of the edge's faces)
+  double largest_secant{};                          // of edge_secant
   double inner_radius{};     // m: of the sphere about the origin that touches the nearest face plane
   double bounding_radius{};  // m: of the sphere about the origin that encloses all vertices
   double flatness{};         // m: greatest distance of a face's vertex below the face's plane

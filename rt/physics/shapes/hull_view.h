@@ -1,5 +1,5 @@
 // A hull, or a box as a hull, in the form that the kernels of narrow phase use. Thread: [any]; pure.
-// Frame: the body's. Units: m. Bound: reach_along visits every vertex once, several per register.
+// Frame: the body's. Units: m. Bound: support_along visits every vertex once, several per register.
 #pragma once
 
 #include "rt/base/wide.h"
@@ -19,8 +19,8 @@ struct HullView {
   const double *x, *y, *z;               // vertices, padded to whole registers and aligned to them
   const double *nx, *ny, *nz, *offsets;  // face planes, likewise
   std::uint32_t padded, padded_faces;    // number of vertices, of faces, including the padding
-  const double* edge_reach;
-  double largest_reach, inner_radius, flatness;  // largest_reach: of edge_reach
+  const double* edge_secant;
+  double largest_secant, inner_radius, flatness;  // largest_secant: of edge_secant
 
   Vec3d vertex(std::uint32_t i) const noexcept { return {x[i], y[i], z[i]}; }
   Vec3d normal(std::uint32_t face) const noexcept { return {nx[face], ny[face], nz[face]}; }
@@ -45,13 +45,13 @@ struct HullView {
   }
 
   // Support function: the largest d.v over the vertices.
-  double reach_along(const Vec3d& d) const noexcept {
+  double support_along(const Vec3d& d) const noexcept {
     const Vec3<V> direction = spread(d);
     V best = along(direction, 0);
     for (std::uint32_t i = kLanes<V>; i < padded; i += kLanes<V>) best = larger(best, along(direction, i));
-    double reach = best[0];
-    for (int lane = 1; lane < kLanes<V>; ++lane) reach = larger(reach, best[lane]);
-    return reach;
+    double most = best[0];
+    for (int lane = 1; lane < kLanes<V>; ++lane) most = larger(most, best[lane]);
+    return most;
   }
 
   // Index of the first vertex with the largest d.v, of the first face with the largest d.n; 0 if that is NaN.
@@ -80,16 +80,16 @@ struct HullView {
     const Vec3<V> direction = spread(d);
     V best = dots_from(direction, 0), block(0.0);  // block: of the lane's best; its index is block + lane
     for (std::uint32_t i = lanes; i < padded_count; i += lanes) {
-      const V reach = dots_from(direction, i);
-      block = select(reach > best, V(static_cast<double>(i)), block);
-      best = larger(best, reach);
+      const V values = dots_from(direction, i);
+      block = select(values > best, V(static_cast<double>(i)), block);
+      best = larger(best, values);
     }
     std::uint32_t first = static_cast<std::uint32_t>(block[0]);
-    double reach = best[0];
+    double most = best[0];
     for (int lane = 1; lane < lanes; ++lane) {
       const std::uint32_t index = static_cast<std::uint32_t>(block[lane]) + static_cast<std::uint32_t>(lane);
-      if (!(best[lane] > reach) && !(best[lane] == reach && index < first)) continue;
-      reach = best[lane];
+      if (!(best[lane] > most) && !(best[lane] == most && index < first)) continue;
+      most = best[lane];
       first = index;
     }
     return first < count ? first : 0;
@@ -98,20 +98,20 @@ struct HullView {
 
 inline HullView view_of(const Hull& hull) noexcept {
   constexpr std::uint32_t lanes = kLanes<Register<double>>;
-  return {&hull.topology,
-          hull.x.data(),
-          hull.y.data(),
-          hull.z.data(),
-          hull.nx.data(),
-          hull.ny.data(),
-          hull.nz.data(),
-          hull.offsets.data(),
-          (hull.topology.vertices + lanes - 1) / lanes * lanes,
-          (hull.topology.faces + lanes - 1) / lanes * lanes,
-          hull.edge_reach.data(),
-          hull.largest_reach,
-          hull.inner_radius,
-          hull.flatness};
+  return {.topology = &hull.topology,
+          .x = hull.x.data(),
+          .y = hull.y.data(),
+          .z = hull.z.data(),
+          .nx = hull.nx.data(),
+          .ny = hull.ny.data(),
+          .nz = hull.nz.data(),
+          .offsets = hull.offsets.data(),
+          .padded = (hull.topology.vertices + lanes - 1) / lanes * lanes,
+          .padded_faces = (hull.topology.faces + lanes - 1) / lanes * lanes,
+          .edge_secant = hull.edge_secant.data(),
+          .largest_secant = hull.largest_secant,
+          .inner_radius = hull.inner_radius,
+          .flatness = hull.flatness};
 }
 
 // The smallest and the largest d.v over the vertices.
@@ -123,9 +123,9 @@ inline Extent extent_along(const HullView& hull, const Vec3d& d) noexcept {
   const Vec3<V> direction = HullView::spread(d);
   V low = hull.along(direction, 0), high = low;
   for (std::uint32_t i = kLanes<V>; i < hull.padded; i += kLanes<V>) {
-    const V reach = hull.along(direction, i);
-    low = smaller(low, reach);
-    high = larger(high, reach);
+    const V values = hull.along(direction, i);
+    low = smaller(low, values);
+    high = larger(high, values);
   }
   Extent extent{low[0], high[0]};
   for (int lane = 1; lane < kLanes<V>; ++lane)
@@ -180,7 +180,7 @@ struct BoxHull {
                                         ny[8] = {0.0, 0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 0.0},
                                         nz[8] = {0.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0};
     constexpr double k = 1.41421356237309504880;
-    static constexpr double reach[12] = {k, k, k, k, k, k, k, k, k, k, k, k};
+    static constexpr double secants[12] = {k, k, k, k, k, k, k, k, k, k, k, k};
     return {.topology = &kBoxTopology,
             .x = x,
             .y = y,
@@ -191,8 +191,8 @@ struct BoxHull {
             .offsets = offsets,
             .padded = 8,
             .padded_faces = 8,
-            .edge_reach = reach,
-            .largest_reach = k,
+            .edge_secant = secants,
+            .largest_secant = k,
             .inner_radius = inner_radius,
             .flatness = 0.0};
   }

@@ -131,11 +131,11 @@ class RoundHull {
     }
     for (std::uint32_t f = caps + kSides; f < kFaces; ++f) add_face(f, {nx_[0], ny_[0], nz_[0]}, offsets_[0]);
     const Slope widest = slope_of(r, shape.half_length);
-    const double side_reach = 1.0 / kHalfCosine, cap_reach = 1.0 / std::sqrt(0.5 * (1.0 - widest.along));
+    const double side_secant = 1.0 / kHalfCosine, cap_secant = 1.0 / std::sqrt(0.5 * (1.0 - widest.along));
     const HullTopology& topology = cone_ ? kCone : kCylinder;
     for (std::uint32_t e = 0; e < topology.edges; ++e)
-      reach_[e] = topology.edge[e].left < caps || topology.edge[e].right < caps ? cap_reach : side_reach;
-    largest_reach_ = larger(side_reach, cap_reach);
+      secant_[e] = topology.edge[e].left < caps || topology.edge[e].right < caps ? cap_secant : side_secant;
+    largest_secant_ = larger(side_secant, cap_secant);
     inner_radius_ = smaller(-low, cone_ ? slope_of(r * kHalfCosine, shape.half_length).along * high : r * kHalfCosine);
   }
 
@@ -150,8 +150,8 @@ class RoundHull {
             .offsets = offsets_,
             .padded = cone_ ? kConeVertices : kVertices,
             .padded_faces = kFaces,
-            .edge_reach = reach_,
-            .largest_reach = largest_reach_,
+            .edge_secant = secant_,
+            .largest_secant = largest_secant_,
             .inner_radius = inner_radius_,
             .flatness = 0.0};
   }
@@ -188,8 +188,8 @@ class RoundHull {
   bool cone_;
   alignas(32) double x_[kVertices], y_[kVertices], z_[kVertices];
   alignas(32) double nx_[kFaces], ny_[kFaces], nz_[kFaces], offsets_[kFaces];
-  double reach_[3 * round_hull::kSides];
-  double largest_reach_{}, inner_radius_{};
+  double secant_[3 * round_hull::kSides];
+  double largest_secant_{}, inner_radius_{};
 };
 
 }  // namespace tactus::physics

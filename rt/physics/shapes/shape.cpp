@@ -18,11 +18,11 @@ Vec3d inertia_of_capsule(double radius, double half_length, double mass) noexcep
   return {across, across, along};
 }
 
-// How far a disk about the origin reaches along each axis of the world; `axis`: its normal, unit.
-Vec3d disk_reach(double radius, const Vec3d& axis) noexcept {
-  Vec3d reach;
-  for (int i = 0; i < 3; ++i) reach[i] = radius * std::sqrt(larger(1.0 - axis[i] * axis[i], 0.0));
-  return reach;
+// Half extents of a disk about the origin along the axes of the world; `axis`: its normal, unit.
+Vec3d disk_extents(double radius, const Vec3d& axis) noexcept {
+  Vec3d extents;
+  for (int i = 0; i < 3; ++i) extents[i] = radius * std::sqrt(larger(1.0 - axis[i] * axis[i], 0.0));
+  return extents;
 }
 
 }  // namespace
@@ -113,22 +113,22 @@ double half_thickness(const Shape& shape) noexcept {
 
 Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) noexcept {
   const Quatd& q = world_from_body.rotation;
-  Vec3d reach;
+  Vec3d extents;
   switch (shape.kind) {
     case ShapeKind::kSphere:
-      reach = {shape.radius, shape.radius, shape.radius};
+      extents = {shape.radius, shape.radius, shape.radius};
       break;
     case ShapeKind::kCapsule:
-      reach = abs(rotate(q, Vec3d{0.0, 0.0, shape.half_length})) + Vec3d{shape.radius, shape.radius, shape.radius};
+      extents = abs(rotate(q, Vec3d{0.0, 0.0, shape.half_length})) + Vec3d{shape.radius, shape.radius, shape.radius};
       break;
     case ShapeKind::kCylinder: {
       const Vec3d axis = rotate(q, Vec3d{0.0, 0.0, 1.0});
-      reach = abs(axis) * shape.half_length + disk_reach(shape.radius, axis);
+      extents = abs(axis) * shape.half_length + disk_extents(shape.radius, axis);
       break;
     }
     case ShapeKind::kCone: {
       const Vec3d axis = rotate(q, Vec3d{0.0, 0.0, 1.0}), base = axis * (-0.5 * shape.half_length),
-                  apex = axis * (1.5 * shape.half_length), rim = disk_reach(shape.radius, axis);
+                  apex = axis * (1.5 * shape.half_length), rim = disk_extents(shape.radius, axis);
       Aabb box;
       for (int i = 0; i < 3; ++i) {
         box.lower[i] = world_from_body.position[i] + smaller(base[i] - rim[i], apex[i]) - margin;
@@ -141,8 +141,8 @@ Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) 
     case ShapeKind::kMesh:
     case ShapeKind::kCompound: {
       const Vec3d& h = shape.half_extents;
-      reach = abs(rotate(q, Vec3d{h.x, 0.0, 0.0})) + abs(rotate(q, Vec3d{0.0, h.y, 0.0})) +
-              abs(rotate(q, Vec3d{0.0, 0.0, h.z}));
+      extents = abs(rotate(q, Vec3d{h.x, 0.0, 0.0})) + abs(rotate(q, Vec3d{0.0, h.y, 0.0})) +
+                abs(rotate(q, Vec3d{0.0, 0.0, h.z}));
       break;
     }
     case ShapeKind::kPlane: {
@@ -150,8 +150,8 @@ Aabb bounds_of(const Shape& shape, const Posed& world_from_body, double margin) 
       return {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
     }
   }
-  reach += Vec3d{margin, margin, margin};
-  return {world_from_body.position - reach, world_from_body.position + reach};
+  extents += Vec3d{margin, margin, margin};
+  return {world_from_body.position - extents, world_from_body.position + extents};
 }
 
 }  // namespace tactus::physics

@@ -13,11 +13,11 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
-Vec3d random_in_reach(std::mt19937& random) {
+Vec3d random_in_workspace(std::mt19937& random) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (;;) {
     const Vec3d at{uniform(random), uniform(random), uniform(random)};
-    if (norm(at) <= 1) return at * DeltaArm::kReach_m;
+    if (norm(at) <= 1) return at * DeltaArm::kWorkspaceRadius_m;
   }
 }
 
@@ -47,7 +47,7 @@ TEST_CASE("falcon: the Jacobian at the maker's centre, and by finite differences
   const DeltaArm arm;
   constexpr double h = 1e-6;
   for (int i = 0; i < 2000; ++i) {
-    const Vec3d at = random_in_reach(random);
+    const Vec3d at = random_in_workspace(random);
     const AxisVector q = DeltaArm::axes_of(at);
     for (const Vec3d& direction : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}) {
       const AxisVector ahead = DeltaArm::axes_of(at + direction * h), behind = DeltaArm::axes_of(at - direction * h);
@@ -64,7 +64,7 @@ TEST_CASE("falcon: forward is the inverse's inverse, and power in is power out")
   std::uniform_real_distribution<double> uniform(-1, 1);
   const DeltaArm arm;
   for (int i = 0; i < 5000; ++i) {
-    const Vec3d at = random_in_reach(random);
+    const Vec3d at = random_in_workspace(random);
     const AxisVector q = DeltaArm::axes_of(at);
     Vec3d found{0, 0, 0.125};
     REQUIRE(DeltaArm::solve(q, found));

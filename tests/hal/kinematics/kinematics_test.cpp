@@ -186,7 +186,7 @@ TEST_CASE("a workspace as large as the links allow has exact inverses everywhere
       const AxisVector q = coordinates_of(arm, {place, {}});
       REQUIRE(norm(arm.pose_of(q).position - place) < 1e-13);
       const ArmAt at(q, links);
-      REQUIRE(at.reach == at.bounded_reach);
+      REQUIRE(at.radius == at.bounded_radius);
       REQUIRE(at.cos_elbow >= kCosPitchLimit);
       REQUIRE(std::abs(at.cos_elbow - (std::cos(q[1] + q[2]))) < 1e-9);
     }
@@ -243,7 +243,7 @@ TEST_CASE("what is said of a whole workspace holds at poses that nobody looked a
 }
 
 TEST_CASE("the bounds of a workspace are not far from what its worst pose needs") {
-  // The virtuose's arm at its farthest reach, 0.675 m from the column: the yaw carries 35 N there and 3 N m beside.
+  // The virtuose's arm at its full length, 0.675 m from the column: the yaw carries 35 N there and 3 N m beside.
   const DeviceProfile& profile = *find_profile("virtuose6d");
   const double yaw_Nm = 35.0 * 0.675 + 3.0;
   CHECK(profile.bounds.effort[0] >= yaw_Nm);

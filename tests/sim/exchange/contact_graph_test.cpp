@@ -19,13 +19,13 @@ ContactEdge touch(std::uint32_t a, std::uint32_t b) { return {BodyIndex{a}, Body
 // Shortest ways by relaxing every edge until nothing changes: slow, and another way to the same answer.
 BodyVector<std::uint32_t> hops_by_relaxation(std::uint32_t bodies, const std::vector<ContactEdge>& touches,
                                              BodyIndex from) {
-  BodyVector<std::uint32_t> hops(bodies, ContactGraph::kUnreached);
+  BodyVector<std::uint32_t> hops(bodies, ContactGraph::kNoPath);
   hops[from] = 0;
   for (bool changed = true; changed;) {
     changed = false;
     for (const ContactEdge& t : touches)
       for (const auto& [p, q] : {std::pair(t.a, t.b), std::pair(t.b, t.a)})
-        if (hops[p] != ContactGraph::kUnreached && hops[p] + 1 < hops[q]) {
+        if (hops[p] != ContactGraph::kNoPath && hops[p] + 1 < hops[q]) {
           hops[q] = hops[p] + 1;
           changed = true;
         }
@@ -53,9 +53,9 @@ TEST_CASE("The component of a body is whatever contacts link to it") {
   CHECK(graph.find_component(0_b) == 3);
   CHECK(graph.hops(0_b) == 0);
   CHECK(graph.hops(2_b) == 2);
-  CHECK(graph.hops(4_b) == ContactGraph::kUnreached);
+  CHECK(graph.hops(4_b) == ContactGraph::kNoPath);
   CHECK(graph.find_component(5_b) == 2);
-  CHECK(graph.hops(0_b) == ContactGraph::kUnreached);
+  CHECK(graph.hops(0_b) == ContactGraph::kNoPath);
   CHECK(graph.find_component(6_b) == 1);
 }
 
@@ -81,7 +81,7 @@ TEST_CASE("Hops are shortest ways on any graph, and visiting is in their order")
     const auto expected = hops_by_relaxation(static_cast<std::uint32_t>(bodies), touches, 0_b);
     const std::uint32_t size = graph.find_component(0_b);
     CHECK(size ==
-          bodies - static_cast<std::size_t>(std::count(expected.begin(), expected.end(), ContactGraph::kUnreached)));
+          bodies - static_cast<std::size_t>(std::count(expected.begin(), expected.end(), ContactGraph::kNoPath)));
     std::uint32_t last = 0;
     for (const BodyIndex body : graph.visited()) {
       REQUIRE(graph.hops(body) == expected[body]);

@@ -110,7 +110,7 @@ TEST_CASE("a hand that is recorded has the file's path, its velocities by its ne
   folder.write("circle.csv", circle(201));
   const Scene scene = folder.load("file = \"circle.csv\"\n");
   const HandScript& hand = scene.hand;
-  CHECK(hand.motion == HandMotion::kCubic);
+  CHECK(hand.motion == haptics::HandMotion::kCubic);
   CHECK_FALSE(hand.repeat);
   REQUIRE(hand.path.size() == 201);
   CHECK(hand.path[0].time_s == 0);
@@ -125,7 +125,7 @@ TEST_CASE("a hand that is recorded has the file's path, its velocities by its ne
   const Scene again = folder.load("file = \"circle.csv\"\nrepeat = true\n");
   CHECK(norm(again.hand.path[0].velocity_m_per_s - 0.02 * M_PI * Vec3d{0, 1, 0}) < 1.1e-5);
   CHECK(again.hand.path[0].velocity_m_per_s == again.hand.path[200].velocity_m_per_s);
-  CHECK(folder.load("file = \"circle.csv\"\ninterpolation = \"linear\"\n").hand.motion == HandMotion::kLinear);
+  CHECK(folder.load("file = \"circle.csv\"\ninterpolation = \"linear\"\n").hand.motion == haptics::HandMotion::kLinear);
 }
 
 TEST_CASE("where a pause meets a quick move, a recorded hand does not swing out") {
@@ -150,7 +150,7 @@ TEST_CASE("the source of a scene with a recorded motion needs no file any more")
   CHECK(again.value().source == scene.source);
   REQUIRE(again.value().hand.path.size() == scene.hand.path.size());
   for (std::size_t i = 0; i < scene.hand.path.size(); ++i) {
-    const HandWaypoint &a = scene.hand.path[i], &b = again.value().hand.path[i];
+    const ScriptWaypoint &a = scene.hand.path[i], &b = again.value().hand.path[i];
     CHECK(a.time_s == b.time_s);
     CHECK(a.position_m == b.position_m);
     CHECK(a.rotation_vector_rad == b.rotation_vector_rad);

@@ -5,7 +5,7 @@
 
 #include "hal/device_file.h"
 #include "hal/drives/simulated_drives.h"
-#include "hal/kinematics/reach.h"
+#include "hal/kinematics/workspace_bounds.h"
 #include "rt/text/read_file.h"
 #include "tests/support/random.h"
 #include "tools/device/free_arm.h"

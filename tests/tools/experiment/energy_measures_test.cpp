@@ -5,7 +5,7 @@
 using namespace tactus::experiment;
 
 TEST_CASE("A window that won does not hide one that lost") {
-  EnergyBalance balance;
+  EnergyDeviation balance;
   balance.add({0.9, 1}, {1, 1}, 0);  // a tenth lost
   balance.close_window();
   balance.add({3.3, 1}, {3, 1}, 0);  // a tenth gained, of more
@@ -18,7 +18,7 @@ TEST_CASE("A window that won does not hide one that lost") {
 }
 
 TEST_CASE("Within a window only the sum counts, in the worst instant each") {
-  EnergyBalance balance;
+  EnergyDeviation balance;
   balance.add({0.5, 0}, {1, 0}, 0);
   balance.add({1.5, 0}, {1, 0}, 0);
   balance.close_window();
@@ -28,7 +28,7 @@ TEST_CASE("Within a window only the sum counts, in the worst instant each") {
 }
 
 TEST_CASE("The energies of several hands add up, and an empty one says nothing") {
-  EnergyBalance one, two;
+  EnergyDeviation one, two;
   one.add({0.9, 0.8}, {1, 1}, 0);
   one.close_window();
   two.add({1, 1}, {1, 1}, 0);
@@ -36,12 +36,12 @@ TEST_CASE("The energies of several hands add up, and an empty one says nothing")
   one.add(two);
   CHECK(one.kinetic().loss == Approx(0.05));
   CHECK(one.speed_squared().loss == Approx(0.1));
-  CHECK(EnergyBalance{}.kinetic().loss == 0);
-  CHECK(EnergyBalance{}.worst_instant().gain == 0);
+  CHECK(EnergyDeviation{}.kinetic().loss == 0);
+  CHECK(EnergyDeviation{}.worst_instant().gain == 0);
 }
 
 TEST_CASE("In a scene at rest the spring's energy is what there is to lose") {
-  EnergyBalance balance;
+  EnergyDeviation balance;
   balance.add({1e-6, 0}, {0, 0}, 1e-3);
   balance.close_window();
   CHECK(balance.at_rest());

@@ -87,8 +87,8 @@ core = 3
 priority = 70
 )");
   REQUIRE(c.devices.size() == 2);
-  CHECK(c.devices[0] == DeviceChoice{"usb:0001", "/etc/tactus/left.toml", 2});
-  CHECK(c.devices[1] == DeviceChoice{"can:can0", {}, 3});
+  CHECK(c.devices[0] == ConfiguredDevice{"usb:0001", "/etc/tactus/left.toml", 2});
+  CHECK(c.devices[1] == ConfiguredDevice{"can:can0", {}, 3});
   CHECK(c.run.gpio == "chip=gpiochip0,estop=3-low");
   CHECK(c.run.priority == 70);
   CHECK(c.run.cpu == -1);

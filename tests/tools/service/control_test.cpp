@@ -266,19 +266,19 @@ TEST_CASE("the socket is the group's, is taken over from a dead run and never fr
 
 TEST_CASE("an event comes once in its interval, with how often it was held back, and the level that journald takes") {
   const std::string lines = written([](EventLog& log) {
-    log.event(Level::kWarning, "overruns", {{"count", "1"}}, 0.0);
-    log.event(Level::kWarning, "overruns", {{"count", "2"}}, 0.4);
-    log.event(Level::kError, "fault", {{"text", "no \"link\" now"}}, 0.5);
-    log.event(Level::kWarning, "overruns", {{"count", "3"}}, 0.9);
-    log.event(Level::kWarning, "overruns", {{"count", "4"}}, 1.0);
-    log.event(Level::kWarning, "overruns", {{"count", "5"}}, 2.5);
+    log.event(LogLevel::kWarning, "overruns", {{"count", "1"}}, 0.0);
+    log.event(LogLevel::kWarning, "overruns", {{"count", "2"}}, 0.4);
+    log.event(LogLevel::kError, "fault", {{"text", "no \"link\" now"}}, 0.5);
+    log.event(LogLevel::kWarning, "overruns", {{"count", "3"}}, 0.9);
+    log.event(LogLevel::kWarning, "overruns", {{"count", "4"}}, 1.0);
+    log.event(LogLevel::kWarning, "overruns", {{"count", "5"}}, 2.5);
   });
   CHECK(lines ==
         "overruns count=1\nfault text=\"no \\\"link\\\" now\"\noverruns count=4 suppressed=2\noverruns count=5\n");
-  CHECK(written([](EventLog& log) { log.event(Level::kNotice, "x", {}, 0); }, true) == "<5>x\n");
+  CHECK(written([](EventLog& log) { log.event(LogLevel::kNotice, "x", {}, 0); }, true) == "<5>x\n");
   CHECK(written([](EventLog& log) {
           log.set_hand(2);
-          log.event(Level::kNotice, "x", {{"a", "1"}}, 0);
+          log.event(LogLevel::kNotice, "x", {{"a", "1"}}, 0);
         }) == "x hand=2 a=1\n");
 }
 

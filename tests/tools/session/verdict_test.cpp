@@ -51,7 +51,7 @@ struct Case {
 }  // namespace
 
 TEST_CASE("a run against which nothing is to be said is good, in one word") {
-  const Verdict verdict = judge(good_run());
+  const RunVerdict verdict = judge(good_run());
   CHECK(verdict.level() == Level::kGood);
   CHECK(verdict.line() == "good");
   CHECK(verdict.text().empty());
@@ -115,12 +115,12 @@ TEST_CASE("each rule alone makes a run degraded or bad, says why with the figure
     CAPTURE(one.rule, one.words);
     RunSummary s = good_run();
     one.make(s);
-    const Verdict verdict = judge(s);
+    const RunVerdict verdict = judge(s);
     CHECK(verdict.level() == one.level);
     CHECK(verdict.exit_code() == (one.level == Level::kBad ? 1 : 0));
     CHECK(s.exit_code() == verdict.exit_code());
     CHECK_THAT(verdict.line(), StartsWith(one.level == Level::kBad ? "BAD: " : "DEGRADED: ") && Contains(one.words));
-    for (const Ruling& ruling : verdict.rulings) {
+    for (const RunRuling& ruling : verdict.rulings) {
       CHECK(ruling.level() == (ruling.rule == one.rule ? one.level : Level::kGood));
       if (ruling.rule == one.rule) CHECK_THAT(verdict.text(), Contains(ruling.found) && Contains(ruling.remedy));
     }
@@ -161,7 +161,7 @@ TEST_CASE("the energy rule says nothing where the balance is not complete, and n
   s.global.energy.unexplained_J = 5;
   s.global.energy.complete = false;
   CHECK(judge(s).level() == Level::kGood);
-  for (const Ruling& ruling : judge(s).rulings) CHECK(ruling.rule != "energy");
+  for (const RunRuling& ruling : judge(s).rulings) CHECK(ruling.rule != "energy");
   s.global.energy.complete = true;
   CHECK(judge(s).level() == Level::kBad);
   s.global.energy.most_kinetic_J = 1e-6;
@@ -174,11 +174,11 @@ TEST_CASE("bad is named before degraded, and a figure that is no number is bad")
   ticks_of(s, kBorderSpent) = 601;
   s.global.overlap = {std::numeric_limits<double>::quiet_NaN(), 0, 3, 7};
   s.stats.deepest_share = 0.6;
-  const Verdict verdict = judge(s);
+  const RunVerdict verdict = judge(s);
   CHECK_THAT(verdict.line(), StartsWith("BAD: two bodies"));
   CHECK(verdict.text().find("bad ") < verdict.text().find("degraded "));
   s.global.energy.unexplained_J = std::numeric_limits<double>::quiet_NaN();
-  CHECK(Ruling{"x", "x", "", std::numeric_limits<double>::quiet_NaN(), 1, 2, "", "", false}.level() == Level::kBad);
+  CHECK(RunRuling{"x", "x", "", std::numeric_limits<double>::quiet_NaN(), 1, 2, "", "", false}.level() == Level::kBad);
 }
 
 namespace {
@@ -232,8 +232,8 @@ Judged run_text(const std::string& text, haptics::CouplingScheme coupling) {
   return {test::run(*session, 500), std::move(report)};
 }
 
-const Ruling& ruling_of(const Verdict& verdict, const std::string& rule) {
-  for (const Ruling& ruling : verdict.rulings)
+const RunRuling& ruling_of(const RunVerdict& verdict, const std::string& rule) {
+  for (const RunRuling& ruling : verdict.rulings)
     if (ruling.rule == rule) return ruling;
   FAIL(rule);
   return verdict.rulings.front();
@@ -244,7 +244,7 @@ const Ruling& ruling_of(const Verdict& verdict, const std::string& rule) {
 TEST_CASE("what `scene check` calls bad is bad when it runs, in the same words: two balls 2 cm deep") {
   const auto coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect);
   const Judged run = run_text(two_balls(0.021), coupling);
-  const Verdict verdict = judge(run.summary), of_scene = judge(run.report);
+  const RunVerdict verdict = judge(run.summary), of_scene = judge(run.report);
   CHECK(of_scene.level() == Level::kBad);
   CHECK(of_scene.exit_code() == 1);
   CHECK(verdict.level() == Level::kBad);

@@ -52,7 +52,7 @@ TEST_CASE("What is chosen fits, and no notch from there is more accurate and fit
     CHECK(found.fits);
     CHECK(found.best.fits(kLimits));
     CHECK(found.best.force_error <= model(setting(4, 1, 16, 8)).force_error);
-    for (const Notch& notch : notches_up(found.best.setting, kLimits)) {
+    for (const SettingStep& notch : notches_up(found.best.setting, kLimits)) {
       const Trial further = model(notch.setting);
       CHECK((!further.fits(kLimits) || further.force_error >= 0.98 * found.best.force_error));
     }
@@ -81,7 +81,7 @@ TEST_CASE("A notch changes one factor, stays within the limits and resolves the 
   limits.sub_steps = 8;
   for (const Setting& s : {setting(1, 1, 2, 16), setting(4, 2, 16, 10), setting(8, 2, 20, 1)}) {
     for (const auto& notches : {notches_up(s, limits), notches_down(s, limits)})
-      for (const Notch& notch : notches) {
+      for (const SettingStep& notch : notches) {
         const Setting& to = notch.setting;
         CHECK((to.sub_steps != s.sub_steps) + (to.relax_sweeps != s.relax_sweeps) + (to.members != s.members) +
                   (to.scheme.ratio != s.scheme.ratio) ==

@@ -80,7 +80,7 @@ TEST_CASE("A choice is not good where the scene itself is bad, and the text says
   report.fits = true;
   CHECK(report.good());
   CHECK(tune_text(report).find("the scene itself") == std::string::npos);
-  session::Ruling overlap;
+  session::RunRuling overlap;
   overlap.measured = 80;
   overlap.bad_above = 50;
   report.of_scene.rulings.push_back(overlap);

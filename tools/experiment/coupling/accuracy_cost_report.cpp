@@ -14,7 +14,7 @@ namespace {
 using nlohmann::ordered_json;
 
 // "one more sub-step buys X % for Y us", of the factor's notch.
-std::string sentence_of(const Notch& notch) {
+std::string sentence_of(const NotchCost& notch) {
   const auto word = [](double change, const char* more) { return change <= 0 ? "saves" : more; };
   const double error = 100 * (notch.error_after - notch.error_before);
   const double time_us = notch.tick_us_after - notch.tick_us_before;
@@ -103,7 +103,7 @@ std::string cost_table(const CostReport& report) {
         p.hold_vibration_N, p.tick_us_p50, p.tick_us_p99, p.is_default ? "default" : "");
   }
   text += "\nFrom the default, one notch at a time:\n";
-  for (const Notch& notch : report.notches) text += fmt::format("  {:<11} {}\n", notch.scene, sentence_of(notch));
+  for (const NotchCost& notch : report.notches) text += fmt::format("  {:<11} {}\n", notch.scene, sentence_of(notch));
   return text + fmt::format(
                     "\n{} seeds. error: RMS(F - F_ref) / RMS(F_ref), the reference being all bodies at 1 kHz with 16 "
                     "sub-steps and two\nrelax sweeps. us: CPU time of a tick on the haptic side, of {} of them on this "
@@ -113,7 +113,7 @@ std::string cost_table(const CostReport& report) {
 
 std::string cost_json(const CostReport& report) {
   ordered_json notches = ordered_json::array();
-  for (const Notch& n : report.notches)
+  for (const NotchCost& n : report.notches)
     notches.push_back({{"scene", n.scene},
                        {"factor", n.factor},
                        {"from", n.from},

@@ -122,7 +122,7 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
     if (k == rest) start.z = top_below(worlds, start) + kProxyRadius_m;
     haptics::DeviceTarget target{true, {start, {}}, {}};
     if (k >= rest) target = stir(start, (k - rest) / point.rate_Hz);
-    const TickTimes taken = timed_tick(worlds, target);
+    const TickCpuTimes taken = timed_tick(worlds, target);
     if (k >= settle && taken.global_us) steps_us.push_back(*taken.global_us);
     if (k >= settle) ticks_us.push_back(taken.haptic_us);
     point.contact_points = point.scheme.direct() ? worlds.last().report.points : worlds.global()->statistics().points;

@@ -180,8 +180,8 @@ WorldKeyframe CoupledWorlds::moment(std::uint64_t tick, bool every_bit) const {
   return moment;
 }
 
-TickTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target) {
-  TickTimes times;
+TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target) {
+  TickCpuTimes times;
   const double begin_us = thread_time_us();
   const bool synchronised = worlds.synchronise();
   times.haptic_us = thread_time_us() - begin_us;

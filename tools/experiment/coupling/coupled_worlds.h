@@ -87,10 +87,10 @@ class CoupledWorlds {
 };
 
 // CPU time of a tick [us]: of the haptic side, and of the global world at the beginning of a cycle.
-struct TickTimes {
+struct TickCpuTimes {
   double haptic_us{0};
   std::optional<double> global_us;
 };
-TickTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target);
+TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target);
 
 }  // namespace tactus::experiment

@@ -28,6 +28,7 @@ std::filesystem::path path_of(const CouplingCase& one) {
 }  // namespace
 
 std::span<const CouplingCase> coupling_cases() {
+  // Name, file, members, where the hand presses, how far it slides.
   static const std::array<CouplingCase, 7> cases{{
       {"stack", "stack20.toml", 10, {0, 0, -0.006}, {0.0004, 0, -0.003}},
       {"card-house", "card_house.toml", 12, {0, 0, -0.004}, {0.001, 0, -0.001}},

@@ -31,7 +31,7 @@ std::vector<unsigned> ratios_of(const StudyRequest& request) {
 struct RowSums {
   ForceError hold, moving;
   double worst{0};
-  EnergyBalance energy;
+  EnergyDeviation energy;
   std::vector<double> steps, vibration, encoder_vibration;
   std::vector<double> spectrum;
   std::size_t spectra{0};
@@ -120,7 +120,7 @@ class SceneStudy {
   std::vector<HandInLoop> loops_;
   StudyScene account_;
   ForceError apart_;
-  EnergyBalance apart_energy_;
+  EnergyDeviation apart_energy_;
   double touching_{0}, ticks_{0}, force_squared_{0};
 };
 
@@ -253,7 +253,8 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
     on_device = tested.tick(hand.encoded()).on_device;
     const double size = norm(on_device.force);
     // A force beyond that of any device is not used further.
-    if (!is_finite(on_device) || size > 1e3) return {1e3, 1e3, 1e3, 0, 0};
+    if (!is_finite(on_device) || size > 1e3)
+      return {.peak_N = 1e3, .shake_N = 1e3, .hold_N = 1e3, .fallen = 0, .energy_gain = 0};
     loop.peak_N = std::max(loop.peak_N, size);
     if (k < first_held || k >= last_held) continue;
     held.push_back(on_device.force);

@@ -10,20 +10,20 @@ constexpr double kMoves = 0.1;
 
 }  // namespace
 
-void EnergyBalance::Sums::close() {
+void EnergyDeviation::Sums::close() {
   lost += std::max(0.0, reference - now);
   won += std::max(0.0, now - reference);
   all_reference += reference;
   now = reference = 0;
 }
 
-void EnergyBalance::Sums::add(const Sums& other) {
+void EnergyDeviation::Sums::add(const Sums& other) {
   lost += other.lost;
   won += other.won;
   all_reference += other.all_reference;
 }
 
-void EnergyBalance::add(const EnergySample& motion, const EnergySample& reference, double spring_J) {
+void EnergyDeviation::add(const EnergySample& motion, const EnergySample& reference, double spring_J) {
   spring_J_ += spring_J;
   most_spring_J_ = std::max(most_spring_J_, spring_J);
   kinetic_.now += motion.kinetic_J;
@@ -35,12 +35,12 @@ void EnergyBalance::add(const EnergySample& motion, const EnergySample& referenc
   most_reference_J_ = std::max(most_reference_J_, reference.kinetic_J);
 }
 
-void EnergyBalance::close_window() {
+void EnergyDeviation::close_window() {
   kinetic_.close();
   speed_.close();
 }
 
-void EnergyBalance::add(const EnergyBalance& other) {
+void EnergyDeviation::add(const EnergyDeviation& other) {
   kinetic_.add(other.kinetic_);
   speed_.add(other.speed_);
   most_lost_J_ = std::max(most_lost_J_, other.most_lost_J_);
@@ -50,20 +50,20 @@ void EnergyBalance::add(const EnergyBalance& other) {
   most_spring_J_ = std::max(most_spring_J_, other.most_spring_J_);
 }
 
-Deviation EnergyBalance::share(const Sums& sums) {
+Deviation EnergyDeviation::share(const Sums& sums) {
   if (!(sums.all_reference > 0)) return {};
   return {sums.lost / sums.all_reference, sums.won / sums.all_reference};
 }
 
-bool EnergyBalance::at_rest() const { return kinetic_.all_reference < kMoves * spring_J_; }
+bool EnergyDeviation::at_rest() const { return kinetic_.all_reference < kMoves * spring_J_; }
 
-Deviation EnergyBalance::kinetic() const {
+Deviation EnergyDeviation::kinetic() const {
   Sums sums = kinetic_;
   if (at_rest()) sums.all_reference += spring_J_;
   return share(sums);
 }
 
-Deviation EnergyBalance::worst_instant() const {
+Deviation EnergyDeviation::worst_instant() const {
   const double most_J = most_reference_J_ + (at_rest() ? most_spring_J_ : 0);
   if (!(most_J > 0)) return {};
   return {most_lost_J_ / most_J, most_won_J_ / most_J};

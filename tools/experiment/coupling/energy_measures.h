@@ -18,7 +18,7 @@ struct Deviation {
   double loss{0}, gain{0};  // fractions, both 0 or more
 };
 
-class EnergyBalance {
+class EnergyDeviation {
  public:
   // At one instant. `spring_J`: energy of the coupling's spring in the reference.
   void add(const EnergySample& motion, const EnergySample& reference, double spring_J);
@@ -28,7 +28,7 @@ class EnergyBalance {
   Deviation kinetic() const;                                 // L1
   Deviation worst_instant() const;                           // L2
   Deviation speed_squared() const { return share(speed_); }  // L3
-  void add(const EnergyBalance& other);
+  void add(const EnergyDeviation& other);
 
  private:
   struct Sums {

@@ -52,7 +52,7 @@ ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size
 
 std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
                               const ReferenceRun& reference, const Window& window, std::size_t ticks,
-                              EnergyBalance* energy) {
+                              EnergyDeviation* energy) {
   std::vector<Vec3d> force;
   const double stiffness_N_per_m = worlds.sub_world().config().gains.stiffness_N_per_m;
   for (std::size_t k = window.start; k < window.start + ticks; ++k) {

@@ -57,6 +57,6 @@ ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size
 // given, receives the energy of all bodies at the synchronisations.
 std::vector<Vec3d> run_window(CoupledWorlds& worlds, const std::vector<haptics::DeviceTarget>& targets,
                               const ReferenceRun& reference, const Window& window, std::size_t ticks,
-                              EnergyBalance* energy);
+                              EnergyDeviation* energy);
 
 }  // namespace tactus::experiment

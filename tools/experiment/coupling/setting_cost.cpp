@@ -19,7 +19,7 @@ std::vector<Vec3d> timed_window(CoupledWorlds& worlds, const ReferenceRun& refer
   for (std::size_t k = window.start; k < window.start + ticks; ++k) {
     if (!window.hold && k > window.start && worlds.at_synchronisation())
       sums.energy.add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
-    const TickTimes times = timed_tick(worlds, reference.ideal[k]);
+    const TickCpuTimes times = timed_tick(worlds, reference.ideal[k]);
     if (times.global_us) sums.global_us.push_back(*times.global_us);
     sums.ticks_us.push_back(times.haptic_us);
     force.push_back(worlds.last().on_device.force);

@@ -49,7 +49,7 @@ ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& prof
 // Sums over windows, of one hand or of all.
 struct SettingSums {
   ForceError error;
-  EnergyBalance energy;
+  EnergyDeviation energy;
   std::vector<double> vibration, steps;     // N: of the hold windows; at synchronisations
   std::vector<double> ticks_us, global_us;  // time of a tick of the haptic side; of a global step
 

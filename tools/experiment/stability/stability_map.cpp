@@ -66,8 +66,11 @@ WakeLateness measure_wake(double rate_Hz, double seconds, int cpu) {
   thread.stop();
   const Histogram& latency = thread.health().wake_latency;
   const auto at = [&](double percent) { return 1e-9 * static_cast<double>(latency.percentile_ns(percent)); };
-  wake = {at(50), at(99.9), 1e-9 * static_cast<double>(latency.max_ns()),
-          fmt::format("{} wake-ups of this PC", latency.count()), thread.setup_report().degraded()};
+  wake = {.typical_s = at(50),
+          .late_s = at(99.9),
+          .latest_s = 1e-9 * static_cast<double>(latency.max_ns()),
+          .source = fmt::format("{} wake-ups of this PC", latency.count()),
+          .degraded = thread.setup_report().degraded()};
   return wake;
 }
 

@@ -62,15 +62,15 @@ Vec3d along(unsigned axis, double size) {
 
 }  // namespace
 
-Finding check_saturation(Bench& bench) {
-  Finding finding;
+CheckFinding check_saturation(Bench& bench) {
+  CheckFinding finding;
   finding.threshold = "every frame in FORCE reports limit 70, none before";
   if (carries_its_arm(bench)) return skipped("the device carries its arm's weight: without force it would fall");
   auto lowered = LoweredLimit::make(bench, 0.0f);
   if (!lowered.ok()) return bad(lowered.message(), finding.threshold);
-  const Phase plan[] = {{.ticks = 60, .wanted = State::kForce},
-                        {.ticks = 100, .wanted = State::kForce, .force_N = {kAboveLimit_N, 0, 0}},
-                        {.ticks = 20}};
+  const ExchangePhase plan[] = {{.ticks = 60, .wanted = State::kForce},
+                                {.ticks = 100, .wanted = State::kForce, .force_N = {kAboveLimit_N, 0, 0}},
+                                {.ticks = 20}};
   const auto result = bench.exchange(plan);
   const Status restored = lowered.value().restore();
   if (!result.ok()) return bad(result.message(), finding.threshold);
@@ -88,22 +88,22 @@ Finding check_saturation(Bench& bench) {
   finding.measured = fmt::format("{:g} N against a limit of 0 N: cut in {} of {} frames", kAboveLimit_N, cut, frames);
   if (cut < frames || frames == 0) finding.reason = "a force above the limit was not reported as cut";
   if (early > 0) finding.reason = "it reports a cut where no force was asked for";
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 
-Finding check_force(Bench& bench) {
+CheckFinding check_force(Bench& bench) {
   const double size = std::min(bench.options().force_N, bench.profile().properties.max_force_N);
-  Finding finding;
+  CheckFinding finding;
   finding.threshold =
       fmt::format("{:g} N along each axis: FORCE throughout, not backwards by {:g} mm", size, 1e3 * kMaxBackwards_m);
   for (unsigned axis = 0; axis < 3; ++axis) {
-    const Phase plan[] = {{.ticks = 60, .wanted = State::kForce},
-                          {.ticks = kPush, .wanted = State::kForce, .force_N = along(axis, size)},
-                          {.ticks = 2 * kPush, .wanted = State::kForce, .force_N = along(axis, -size)},
-                          {.ticks = kPush, .wanted = State::kForce, .force_N = along(axis, size)},
-                          {.ticks = 60, .wanted = State::kForce},
-                          {.ticks = 20}};  // a real device in FORCE brakes if frames stop
+    const ExchangePhase plan[] = {{.ticks = 60, .wanted = State::kForce},
+                                  {.ticks = kPush, .wanted = State::kForce, .force_N = along(axis, size)},
+                                  {.ticks = 2 * kPush, .wanted = State::kForce, .force_N = along(axis, -size)},
+                                  {.ticks = kPush, .wanted = State::kForce, .force_N = along(axis, size)},
+                                  {.ticks = 60, .wanted = State::kForce},
+                                  {.ticks = 20}};  // a real device in FORCE brakes if frames stop
     const auto result = bench.exchange(plan);
     if (!result.ok()) return bad(result.message(), finding.threshold);
     const std::span<const Record> records = result.value().records;
@@ -118,7 +118,7 @@ Finding check_force(Bench& bench) {
       finding.reason =
           fmt::format("pushed along {}, it goes backwards: a motor or an encoder is wired the wrong way", "xyz"[axis]);
   }
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 

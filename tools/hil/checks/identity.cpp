@@ -59,8 +59,8 @@ std::string refusals(Bench& bench) {
 
 }  // namespace
 
-Finding check_identity(Bench& bench) {
-  Finding finding;
+CheckFinding check_identity(Bench& bench) {
+  CheckFinding finding;
   finding.threshold =
       fmt::format("protocol {}, register_revision {} or above; period, watchdog, quanta and limits as {} has them",
                   firmware::kProtocolVersion, firmware::kRegisterRevision, bench.profile().name);
@@ -74,19 +74,19 @@ Finding check_identity(Bench& bench) {
   const Status same =
       hal::check_identity(bench.profile(), static_cast<std::uint32_t>(bench.period_ns() / 1000), bench.link(), kAnswer);
   if (!same.ok()) {
-    finding.verdict = Verdict::kBad;
+    finding.verdict = CheckVerdict::kBad;
     finding.reason = same.message();
   }
   if (same.ok() && revision.value() < firmware::kRegisterRevision) {
-    finding.verdict = Verdict::kBad;
+    finding.verdict = CheckVerdict::kBad;
     finding.reason = fmt::format("register_revision is {}, this program's is {}: update the device's firmware",
                                  revision.value(), firmware::kRegisterRevision);
   }
   return finding;
 }
 
-Finding check_registers(Bench& bench) {
-  Finding finding;
+CheckFinding check_registers(Bench& bench) {
+  CheckFinding finding;
   finding.threshold = "all readable, in range; refusals as the protocol says";
   Histogram answers;
   unsigned count = 0;
@@ -110,7 +110,7 @@ Finding check_registers(Bench& bench) {
     finding.figures.push_back({"answer_max_ms", static_cast<double>(answers.max_ns()) * 1e-6});
   }
   if (std::string reason = refusals(bench); !reason.empty()) {
-    finding.verdict = Verdict::kBad;
+    finding.verdict = CheckVerdict::kBad;
     finding.reason = std::move(reason);
   }
   return finding;

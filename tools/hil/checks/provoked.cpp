@@ -31,12 +31,12 @@ enum Stage : std::uint32_t { kBefore = 0, kDuring = 1, kAfter = 2, kLatched = 3,
 // Sequence: FORCE at zero force; fault on, held, off; then the latch, the re-arm, FORCE again.
 Result<Provoked> provoke(Bench& bench, const Provocation& what) {
   const auto patience = static_cast<double>(bench.provoker().patience().count());
-  const Phase plan[] = {{.ticks = kSettleAroundFault, .wanted = State::kForce},
-                        {.ticks = bench.ticks(patience), .wanted = State::kForce},
-                        {.ticks = bench.ticks(patience), .wanted = what.wanted_after},
-                        {.ticks = kStay, .wanted = what.wanted_after},
-                        {.ticks = kSettleAroundFault, .rearm = true},
-                        {.ticks = kSettleAroundFault, .wanted = State::kForce}};
+  const ExchangePhase plan[] = {{.ticks = kSettleAroundFault, .wanted = State::kForce},
+                                {.ticks = bench.ticks(patience), .wanted = State::kForce},
+                                {.ticks = bench.ticks(patience), .wanted = what.wanted_after},
+                                {.ticks = kStay, .wanted = what.wanted_after},
+                                {.ticks = kSettleAroundFault, .rearm = true},
+                                {.ticks = kSettleAroundFault, .wanted = State::kForce}};
   Provoked provoked;
   bool on = false, off = false;
   std::size_t records = 0, since_sign = 0;
@@ -88,11 +88,13 @@ std::uint64_t ticks_to_notice(std::span<const Record> records, std::size_t first
   return first_sign;
 }
 
-Finding away(Bench& bench, const char* fault) {
-  Finding finding;
+CheckFinding away(Bench& bench, const char* fault) {
+  CheckFinding finding;
   finding.threshold = "noticed, no force when it is back, FORCE again after a re-arm";
-  const Provocation what{fault, [](const Record& r) { return r.got == Got::kDisconnected; },
-                         [](const Record& r) { return r.got == Got::kFresh; }, State::kIdle};
+  const Provocation what{.fault = fault,
+                         .sign = [](const Record& r) { return r.got == Got::kDisconnected; },
+                         .gone = [](const Record& r) { return r.got == Got::kFresh; },
+                         .wanted_after = State::kIdle};
   auto provoked = provoke(bench, what);
   if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
   if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
@@ -111,21 +113,21 @@ Finding away(Bench& bench, const char* fault) {
   finding.reason = safe_when_back(records);
   if (finding.reason.empty()) finding.reason = recovery(records);
   if (finding.reason.empty() && link.disconnects == 0) finding.reason = "the link did not count it";
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 
 }  // namespace
 
-Finding check_emergency_stop(Bench& bench) {
+CheckFinding check_emergency_stop(Bench& bench) {
   constexpr std::uint32_t kMaxFrames = 2;
   const auto pressed = [](const Record& r) {
     return r.got == Got::kFresh && (r.state.limits & bit_of(Limit::kStopLine)) != 0;
   };
   const auto released = [&](const Record& r) { return r.got == Got::kFresh && !pressed(r); };
-  Finding finding;
+  CheckFinding finding;
   finding.threshold = fmt::format("BRAKE within {} frames, fault 2, latched", kMaxFrames);
-  auto provoked = provoke(bench, {"estop", pressed, released, State::kForce});
+  auto provoked = provoke(bench, {.fault = "estop", .sign = pressed, .gone = released, .wanted_after = State::kForce});
   if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
   if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
   if (!provoked.value().first_sign)
@@ -138,24 +140,24 @@ Finding check_emergency_stop(Bench& bench) {
   if (*frames > kMaxFrames) finding.reason = "too late";
   if (finding.reason.empty()) finding.reason = latch_broken(records, kLatched, firmware::Fault::kEmergencyStop);
   if (finding.reason.empty()) finding.reason = recovery(records);
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 
-Finding check_unplug(Bench& bench) { return away(bench, "unplug"); }
+CheckFinding check_unplug(Bench& bench) { return away(bench, "unplug"); }
 
-Finding check_bus_off(Bench& bench) {
+CheckFinding check_bus_off(Bench& bench) {
   if (!bench.options().can) return skipped("not a CAN bus");
   return away(bench, "bus-off");
 }
 
-Finding check_broken_states(Bench& bench) {
+CheckFinding check_broken_states(Bench& bench) {
   // Some links discard corrupt frames: then the record has no frame, and the link's counter shows the reason.
   const auto broken = [](const Record& r) { return r.got == Got::kCorrupt || r.got == Got::kNothing; };
   const auto whole = [](const Record& r) { return r.got == Got::kFresh; };
-  Finding finding;
+  CheckFinding finding;
   finding.threshold = "refused and counted, whole frames after it, FORCE again";
-  auto provoked = provoke(bench, {"corrupt", broken, whole, State::kIdle});
+  auto provoked = provoke(bench, {.fault = "corrupt", .sign = broken, .gone = whole, .wanted_after = State::kIdle});
   if (!provoked.ok()) return bad(provoked.message(), finding.threshold);
   if (!provoked.value().refused.empty()) return skipped(provoked.value().refused);
   FrameCounts counts;
@@ -167,7 +169,7 @@ Finding check_broken_states(Bench& bench) {
     finding.reason = "no frame was refused";
   else
     finding.reason = recovery(provoked.value().result.records);
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 

@@ -19,16 +19,16 @@ constexpr double kPeriodShare = 0.01;
 
 double us(std::uint64_t ns) { return static_cast<double>(ns) * 1e-3; }
 
-void put(Finding& finding, const char* name, const Histogram& h) {
+void put(CheckFinding& finding, const char* name, const Histogram& h) {
   finding.figures.push_back({fmt::format("{}_p50_us", name), us(h.percentile_ns(50))});
   finding.figures.push_back({fmt::format("{}_p99_us", name), us(h.percentile_ns(99))});
   finding.figures.push_back({fmt::format("{}_p99_99_us", name), us(h.percentile_ns(99.99))});
   finding.figures.push_back({fmt::format("{}_max_us", name), us(h.max_ns())});
 }
 
-Finding judge_times(Bench& bench, const Histogram& h, const char* name, double periods) {
+CheckFinding judge_times(Bench& bench, const Histogram& h, const char* name, double periods) {
   const double limit_us = periods * us(static_cast<std::uint64_t>(bench.period_ns()));
-  Finding finding;
+  CheckFinding finding;
   finding.threshold = fmt::format("p99 <= {:.0f} us ({:g} periods)", limit_us, periods);
   if (h.count() == 0) return bad("no command was ever answered", finding.threshold);
   finding.measured = fmt::format("p50 {:.0f}, p99 {:.0f}, p99.99 {:.0f}, max {:.0f} us", us(h.percentile_ns(50)),
@@ -36,15 +36,15 @@ Finding judge_times(Bench& bench, const Histogram& h, const char* name, double p
   put(finding, name, h);
   if (us(h.percentile_ns(99)) > limit_us * 1.02) {  // 2 %: resolution of the histogram
     finding.reason = "too slow: a haptic loop would feel it";
-    if (bench.options().judge_timing) finding.verdict = Verdict::kBad;
+    if (bench.options().judge_timing) finding.verdict = CheckVerdict::kBad;
   }
   return finding;
 }
 
 }  // namespace
 
-Finding judge_counts(const FrameCounts& counts, const hal::LinkCounters& link) {
-  Finding finding;
+CheckFinding judge_counts(const FrameCounts& counts, const hal::LinkCounters& link) {
+  CheckFinding finding;
   finding.threshold = fmt::format("lost <= {:g} %, none unaccounted for, reordered or broken; gaps < {} ticks",
                                   100 * kLostShare, kGapTicks);
   finding.measured = fmt::format("{} frames: {} lost, {} superseded, {} reordered, {} duplicated, {} broken",
@@ -82,37 +82,37 @@ Finding judge_counts(const FrameCounts& counts, const hal::LinkCounters& link) {
     finding.reason = "gaps so long that the force would fade";
   else if (counts.refused > 0)
     finding.reason = fmt::format("the link did not take {} commands", counts.refused);
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 
-Finding check_losses(Bench& bench) {
+CheckFinding check_losses(Bench& bench) {
   const auto& quiet = bench.quiet();
   if (!quiet.ok()) return bad(quiet.message());
-  Finding finding = judge_counts(quiet.value().counts, quiet.value().result.counters);
+  CheckFinding finding = judge_counts(quiet.value().counts, quiet.value().result.counters);
   // A gap may be caused by this machine, if the loop was not woken; then the link is not at fault.
   const bool gap_alone = finding.reason.starts_with("gaps");
-  if (gap_alone && !bench.options().judge_timing) finding.verdict = Verdict::kGood;
+  if (gap_alone && !bench.options().judge_timing) finding.verdict = CheckVerdict::kGood;
   return finding;
 }
 
-Finding check_round_trip(Bench& bench) {
+CheckFinding check_round_trip(Bench& bench) {
   const auto& quiet = bench.quiet();
   if (!quiet.ok()) return bad(quiet.message());
   return judge_times(bench, quiet.value().times.round_trip, "round_trip", kRoundTripPeriods);
 }
 
-Finding check_force_age(Bench& bench) {
+CheckFinding check_force_age(Bench& bench) {
   const auto& quiet = bench.quiet();
   if (!quiet.ok()) return bad(quiet.message());
   return judge_times(bench, quiet.value().times.force_age, "force_age", kForceAgePeriods);
 }
 
-Finding check_clock(Bench& bench) {
+CheckFinding check_clock(Bench& bench) {
   const auto& quiet = bench.quiet();
   if (!quiet.ok()) return bad(quiet.message());
   const double nominal_us = static_cast<double>(bench.period_ns()) * 1e-3;
-  Finding finding;
+  CheckFinding finding;
   finding.threshold =
       fmt::format("period {:g} us +- {:g} %, drift within {:g} ppm", nominal_us, 100 * kPeriodShare, kDrift_ppm);
   const auto clock = clock_figures(quiet.value().result.records);
@@ -128,13 +128,13 @@ Finding check_clock(Bench& bench) {
   const bool drift_good = std::abs(clock->drift_ppm) <= kDrift_ppm || !own_clock || !bench.options().judge_timing;
   if (!period_good) finding.reason = "the device does not keep its period by its own clock";
   if (period_good && !drift_good) finding.reason = "the two clocks go apart";
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 
-Finding check_soak(Bench& bench) {
+CheckFinding check_soak(Bench& bench) {
   const std::uint64_t frames = bench.options().soak_frames;
-  const Phase plan[] = {{.ticks = frames}};
+  const ExchangePhase plan[] = {{.ticks = frames}};
   FrameCounts counts;
   RoundTrip times;
   const auto result = bench.exchange(
@@ -146,8 +146,8 @@ Finding check_soak(Bench& bench) {
       },
       /*keep=*/false);
   if (!result.ok()) return bad(result.message());
-  Finding finding = judge_counts(counts, result.value().counters);
-  if (finding.reason.starts_with("gaps") && !bench.options().judge_timing) finding.verdict = Verdict::kGood;
+  CheckFinding finding = judge_counts(counts, result.value().counters);
+  if (finding.reason.starts_with("gaps") && !bench.options().judge_timing) finding.verdict = CheckVerdict::kGood;
   put(finding, "round_trip", times.round_trip);
   put(finding, "force_age", times.force_age);
   return finding;

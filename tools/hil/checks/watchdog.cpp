@@ -32,16 +32,16 @@ std::string words(const Onset& onset) {
 }
 
 // Sequence: FORCE at zero force, then `harmed` for long enough, then the latch and the return.
-Finding starve(Bench& bench, const Phase& harmed) {
+CheckFinding starve(Bench& bench, const ExchangePhase& harmed) {
   const WatchdogSettings settings = watchdog_settings(bench);
-  Finding finding;
+  CheckFinding finding;
   finding.threshold =
       fmt::format("fades at {} missed frames, brakes at {}, fault 1, latched", settings.fade, settings.brake);
-  const Phase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
-                        harmed,
-                        {.ticks = kSettle, .wanted = State::kForce},
-                        {.ticks = kSettle, .rearm = true},
-                        {.ticks = kSettle, .wanted = State::kForce}};
+  const ExchangePhase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
+                                harmed,
+                                {.ticks = kSettle, .wanted = State::kForce},
+                                {.ticks = kSettle, .rearm = true},
+                                {.ticks = kSettle, .wanted = State::kForce}};
   const auto result = bench.exchange(plan);
   if (!result.ok()) return bad(result.message(), finding.threshold);
   const std::span<const Record> records = result.value().records;
@@ -57,30 +57,30 @@ Finding starve(Bench& bench, const Phase& harmed) {
   if (!onset.brake.is(settings.brake)) finding.reason = "it does not brake when it should";
   if (finding.reason.empty()) finding.reason = latch_broken(records, 2, firmware::Fault::kCommandsLost);
   if (finding.reason.empty()) finding.reason = never_forced(records, 4);
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 
 }  // namespace
 
-Finding check_watchdog(Bench& bench) { return starve(bench, {.ticks = kHarm, .send = false}); }
+CheckFinding check_watchdog(Bench& bench) { return starve(bench, {.ticks = kHarm, .send = false}); }
 
-Finding check_broken_commands(Bench& bench) {
+CheckFinding check_broken_commands(Bench& bench) {
   return starve(bench, {.ticks = kHarm, .wanted = State::kForce, .harm = Harm::kBrokenCrc});
 }
 
-Finding check_repeated_commands(Bench& bench) {
+CheckFinding check_repeated_commands(Bench& bench) {
   return starve(bench, {.ticks = kHarm, .wanted = State::kForce, .harm = Harm::kRepeated});
 }
 
-Finding check_brake(Bench& bench) {
+CheckFinding check_brake(Bench& bench) {
   // When BRAKE ends, the flag is still set from the previous phase: only a new rising edge may count.
-  const Phase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
-                        {.ticks = kSettle, .wanted = State::kBrake},
-                        {.ticks = kSettle, .wanted = State::kForce},
-                        {.ticks = kSettle, .rearm = true},
-                        {.ticks = kSettle, .wanted = State::kForce}};
-  Finding finding;
+  const ExchangePhase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
+                                {.ticks = kSettle, .wanted = State::kBrake},
+                                {.ticks = kSettle, .wanted = State::kForce},
+                                {.ticks = kSettle, .rearm = true},
+                                {.ticks = kSettle, .wanted = State::kForce}};
+  CheckFinding finding;
   finding.threshold = "BRAKE within 3 frames, fault 0, latched";
   const auto result = bench.exchange(plan);
   if (!result.ok()) return bad(result.message(), finding.threshold);
@@ -93,17 +93,17 @@ Finding check_brake(Bench& bench) {
   if (*frames > 3) finding.reason = "it brakes too late";
   if (finding.reason.empty()) finding.reason = latch_broken(records, 2, firmware::Fault::kNone);
   if (finding.reason.empty()) finding.reason = never_forced(records, 4);
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 
-Finding check_not_finite(Bench& bench) {
-  const Phase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
-                        {.ticks = 1, .wanted = State::kForce, .harm = Harm::kNotFinite},
-                        {.ticks = kSettle, .wanted = State::kForce},
-                        {.ticks = kSettle, .rearm = true},
-                        {.ticks = kSettle, .wanted = State::kForce}};
-  Finding finding;
+CheckFinding check_not_finite(Bench& bench) {
+  const ExchangePhase plan[] = {{.ticks = kSettle, .wanted = State::kForce},
+                                {.ticks = 1, .wanted = State::kForce, .harm = Harm::kNotFinite},
+                                {.ticks = kSettle, .wanted = State::kForce},
+                                {.ticks = kSettle, .rearm = true},
+                                {.ticks = kSettle, .wanted = State::kForce}};
+  CheckFinding finding;
   finding.threshold = "BRAKE within 3 frames, fault 4, latched";
   // On a slow host the next command can replace the one with NaN before it leaves. Where that may have happened, the
   // exchange is repeated: a device that ignores NaN is still found, because it ignores the last one too.
@@ -127,7 +127,7 @@ Finding check_not_finite(Bench& bench) {
   if (*frames > 3) finding.reason = "it brakes too late";
   if (finding.reason.empty()) finding.reason = latch_broken(records, 2, firmware::Fault::kEffortNotFinite);
   if (finding.reason.empty()) finding.reason = never_forced(records, 4);
-  if (!finding.reason.empty()) finding.verdict = Verdict::kBad;
+  if (!finding.reason.empty()) finding.verdict = CheckVerdict::kBad;
   return finding;
 }
 

@@ -94,8 +94,8 @@ TEST_CASE("The topologies are closed and the planes hold all corners, at any ali
       }
       for (std::uint32_t e = 0; e < t.edges; ++e) {
         const double cosine = dot(view.normal(t.edge[e].left), view.normal(t.edge[e].right));
-        CHECK(view.edge_reach[e] >= 1 / std::sqrt(0.5 * (1 + cosine)) - 1e-12);
-        CHECK(view.edge_reach[e] <= view.largest_reach);
+        CHECK(view.edge_secant[e] >= 1 / std::sqrt(0.5 * (1 + cosine)) - 1e-12);
+        CHECK(view.edge_secant[e] <= view.largest_secant);
       }
     }
 }
@@ -148,15 +148,15 @@ TEST_CASE("A cylinder that lies touches the plane along a line, as deep whatever
       CAPTURE(rolled, box);
       REQUIRE(m.count >= 2);
       CHECK(norm(m.normal - Vec3d{0, 0, 1}) < 1e-9);
-      double reach_low = 0, reach_high = 0;
+      double lowest = 0, highest = 0;
       for (std::uint32_t i = 0; i < m.count; ++i) {
         CHECK(m.points[i].separation == Approx(-1e-4).margin(1e-7));
         CHECK(std::abs(m.points[i].from_b.x) < 1e-4);  // the facet
-        reach_low = std::min(reach_low, m.points[i].from_b.y);
-        reach_high = std::max(reach_high, m.points[i].from_b.y);
+        lowest = std::min(lowest, m.points[i].from_b.y);
+        highest = std::max(highest, m.points[i].from_b.y);
       }
-      CHECK(reach_low == Approx(-0.1).margin(1e-3));
-      CHECK(reach_high == Approx(0.1).margin(1e-3));
+      CHECK(lowest == Approx(-0.1).margin(1e-3));
+      CHECK(highest == Approx(0.1).margin(1e-3));
     }
   }
 }

@@ -14,7 +14,7 @@ struct HullPair {
   Hull a, b;
   Posed pose_a, pose_b;
 
-  HullGap gap(double margin) const {
+  HullSeparation gap(double margin) const {
     const Shape shape_a = Shape::convex(a, 0), shape_b = Shape::convex(b, 1);
     const LastFeatures none;
     const PairView pair{shape_a, shape_b, pose_a.rotation, pose_b.rotation, pose_b.position - pose_a.position,
@@ -46,7 +46,7 @@ TEST_CASE("Two hulls are apart just where their distance exceeds the margin, and
     const double distance = pair.distance();
     for (const double margin : {0.0, 1e-3, 2e-2}) {
       INFO("pair " << n << ", distance " << distance << ", margin " << margin);
-      const HullGap gap = pair.gap(margin);
+      const HullSeparation gap = pair.gap(margin);
       if (distance > margin + 1e-9) REQUIRE(gap.apart);
       if (distance < margin - 1e-9 || distance == 0) REQUIRE_FALSE(gap.apart);
       if (gap.apart) {

@@ -246,9 +246,9 @@ export class Scene3d {
     const [x, y, z] = this.world.scene.bodies[this.world.scene.proxy]!.position;
     const around = this.world.scene.bodies.filter((body) => !body.fixed).map((body) => Math.hypot(body.position[0] - x, body.position[1] - y, body.position[2] - z));
     around.sort((a, b) => a - b);
-    const reach = Math.min(2, Math.max(0.15, around[Math.min(around.length - 1, 100)] ?? 0.3));
-    this.controls.target.set(x, y, z - 0.4 * reach);
-    this.camera.position.set(x + 1.1 * reach, y - 2 * reach, z + 1.3 * reach);
+    const radius = Math.min(2, Math.max(0.15, around[Math.min(around.length - 1, 100)] ?? 0.3));
+    this.controls.target.set(x, y, z - 0.4 * radius);
+    this.camera.position.set(x + 1.1 * radius, y - 2 * radius, z + 1.3 * radius);
     this.controls.update();
   }
 

@@ -1,4 +1,4 @@
-#include "rt/physics/collision/mesh_reach.h"
+#include "rt/physics/collision/mesh_culling.h"
 
 #include <catch2/catch.hpp>
 
@@ -34,7 +34,8 @@ Case random_case(const std::vector<physics::Hull>& hulls, Random& random) {
 
 }  // namespace
 
-TEST_CASE("A triangle that a body cannot reach has no contact with it, neither now nor where the step takes it") {
+TEST_CASE(
+    "A triangle that a body cannot touch in a step has no contact with it, neither now nor where the step takes it") {
   Random random(23);
   const BuiltMesh made = built(height_field(
       10, 0.05, [&](double, double) { return random(-0.02, 0.02); }, [&] { return random.below(2) == 0; }));
@@ -42,17 +43,17 @@ TEST_CASE("A triangle that a body cannot reach has no contact with it, neither n
   for (int k = 0; k < 20; ++k) points.push_back(0.05 * random.direction());
   const std::vector<physics::Hull> hulls{build_hull(points).value().hull};
   physics::StepSettings settings;
-  int reached = 0, dropped = 0;
+  int kept = 0, dropped = 0;
   for (int n = 0; n < 3000; ++n) {
     const Case made_case = random_case(hulls, random);
     const physics::Body& body = made_case.body;
     const physics::MotionBound& bound = made_case.bound;
     const Posed& now = body.motion.pose;
-    const physics::MeshReach reach(made.mesh, {.shape = body.shape, .pose = now}, bound, {}, settings, hulls);
+    const physics::MeshCulling culling(made.mesh, {.shape = body.shape, .pose = now}, bound, {}, settings, hulls);
     const Posed then{now.position + random(0, 1) * bound.advance, now.rotation};
     for (std::uint32_t t = 0; t < made.mesh.triangles.size(); ++t) {
-      if (reach.reaches(t)) {
-        ++reached;
+      if (culling.can_touch(t)) {
+        ++kept;
         continue;
       }
       ++dropped;
@@ -67,5 +68,5 @@ TEST_CASE("A triangle that a body cannot reach has no contact with it, neither n
       if (dot(patch.normal, now.position) > patch.offset) REQUIRE_FALSE(touches(then));
     }
   }
-  REQUIRE((reached > 1000 && dropped > 1000));
+  REQUIRE((kept > 1000 && dropped > 1000));
 }

@@ -1,5 +1,5 @@
 // Which triangles of a mesh can a body touch in this step? Excludes those whose box overlaps the body's box and that
-// the body cannot reach: by the triangle's patch plane and, for a body with faces, by the axes of the box that holds
+// the body cannot touch: by the triangle's patch plane and, for a body with faces, by the axes of the box that holds
 // it.
 //
 // Frame: the mesh's. Units: m. Thread: [any]; pure. Bound: constant for each triangle.
@@ -24,11 +24,11 @@ inline double patch_margin(double closing, const StepSettings& settings) noexcep
   return larger(smaller(kPatchMargin, settings.min_margin), closing + carry_over_margin(settings));
 }
 
-class MeshReach {
+class MeshCulling {
  public:
   // `body`: its shape and its pose in the mesh's frame. `bound`: of its motion, in the world.
-  MeshReach(const Mesh& mesh, PosedShape body, const MotionBound& bound, const Quatd& world_from_mesh,
-            const StepSettings& settings, Hulls hulls) noexcept
+  MeshCulling(const Mesh& mesh, PosedShape body, const MotionBound& bound, const Quatd& world_from_mesh,
+              const StepSettings& settings, Hulls hulls) noexcept
       : mesh_(mesh),
         shape_(body.shape),
         settings_(settings),
@@ -44,7 +44,7 @@ class MeshReach {
     }
   }
 
-  bool reaches(std::uint32_t triangle) const noexcept {
+  bool can_touch(std::uint32_t triangle) const noexcept {
     const MeshTriangle& t = mesh_.triangles[triangle];
     const MeshPatch& patch = mesh_.patches[t.patch];
     const double height = dot(patch.normal, centre_) - patch.offset;
@@ -52,8 +52,8 @@ class MeshReach {
     // A body whose centre is behind the patch is not in contact with it; of a capsule, only a part need be in front.
     if (!(height > 0.0) && shape_.kind != ShapeKind::kCapsule) return false;
     // The patch's corners are at most kFlat from its plane.
-    if (height - reach_along(-patch.normal) > patch_margin(closing, settings_) + kFlat) return false;
-    return !has_faces() || reaches_across_faces(t);
+    if (height - support_along(-patch.normal) > patch_margin(closing, settings_) + kFlat) return false;
+    return !has_faces() || overlaps_across_faces(t);
   }
 
  private:
@@ -63,7 +63,7 @@ class MeshReach {
 
   Vec3d to_body(const Vec3d& v) const noexcept { return {dot(axes_.x, v), dot(axes_.y, v), dot(axes_.z, v)}; }
 
-  double reach_along(const Vec3d& d) const noexcept {
+  double support_along(const Vec3d& d) const noexcept {
     const Vec3d in_body = to_body(d);
     switch (shape_.kind) {
       case ShapeKind::kSphere:
@@ -71,7 +71,7 @@ class MeshReach {
       case ShapeKind::kCapsule:
         return shape_.radius + shape_.half_length * std::abs(in_body.z);
       case ShapeKind::kHull:
-        return view_of(*hull_).reach_along(in_body);
+        return view_of(*hull_).support_along(in_body);
       default:
         return dot(shape_.half_extents, abs(in_body));
     }
@@ -79,7 +79,7 @@ class MeshReach {
 
   // False if the triangle is on the outer side of a face of the box that holds the body, beyond what the body may close
   // towards that side.
-  bool reaches_across_faces(const MeshTriangle& t) const noexcept {
+  bool overlaps_across_faces(const MeshTriangle& t) const noexcept {
     const Vec3d a = to_body(mesh_.place(t, 0) - centre_), b = to_body(mesh_.place(t, 1) - centre_),
                 c = to_body(mesh_.place(t, 2) - centre_);
     for (int i = 0; i < 3; ++i) {

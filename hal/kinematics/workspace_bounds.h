@@ -44,7 +44,7 @@ struct ToolLimits {
   double speed_m_per_s{0}, angular_speed_rad_per_s{0};
 };
 
-struct ReachBounds {
+struct WorkspaceBounds {
   // Resolution of the tool's pose: known to within half of these along each axis of the device's frame.
   double position_quantum_m{0}, rotation_quantum_rad{0};
   AxisVector effort{};        // N or N m: largest axis effort for any wrench within the limits
@@ -79,7 +79,8 @@ inline double largest_stretch(const std::array<Vec3d, 3>& columns) noexcept {
 }
 
 template <ToolKinematics K>
-void widen_quanta(const K& kinematics, const AxisVector& q, const AxisVector& quantum, ReachBounds& bounds) noexcept {
+void widen_quanta(const K& kinematics, const AxisVector& q, const AxisVector& quantum,
+                  WorkspaceBounds& bounds) noexcept {
   Vec3d off_m, off_rad;
   for (unsigned axis = 0; axis < kAxisCount; ++axis) {
     const Twistd column = kinematics.twist_of(q, unit_axis(axis));
@@ -91,7 +92,8 @@ void widen_quanta(const K& kinematics, const AxisVector& q, const AxisVector& qu
 }
 
 template <ToolKinematics K>
-void widen_drives(const K& kinematics, const AxisVector& q, const ToolLimits& limits, ReachBounds& bounds) noexcept {
+void widen_drives(const K& kinematics, const AxisVector& q, const ToolLimits& limits,
+                  WorkspaceBounds& bounds) noexcept {
   std::array<Vec3d, 3> linear, angular;
   for (unsigned axis = 0; axis < kAxisCount; ++axis) {
     const Twistd column = kinematics.twist_of(q, unit_axis(axis));
@@ -113,9 +115,9 @@ void widen_drives(const K& kinematics, const AxisVector& q, const ToolLimits& li
 }  // namespace detail
 
 template <ToolKinematics K>
-ReachBounds bounds_over(const K& kinematics, const AxisVector& quantum, const ToolLimits& limits) noexcept {
+WorkspaceBounds bounds_over(const K& kinematics, const AxisVector& quantum, const ToolLimits& limits) noexcept {
   constexpr double kHalfTurn_rad = 3.14159265358979323846;  // the other half is its mirror image
-  ReachBounds bounds;
+  WorkspaceBounds bounds;
   for (unsigned k = 0; k <= detail::kDirections; ++k) {  // k == kDirections: the centre
     const Vec3d place = k < detail::kDirections ? detail::spread_direction(k) * limits.workspace_radius_m : Vec3d{};
     AxisVector q = coordinates_of(kinematics, {place, {}});
