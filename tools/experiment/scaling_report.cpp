@@ -18,7 +18,7 @@ struct LogAxis {  // decades from the least to the most, on the page from `start
 
   static LogAxis over(double least, double most, double start, double end) {
     const double low = std::floor(std::log10(least)), high = std::ceil(std::log10(most));
-    return {low, high > low ? high : low + 1, start, end};
+    return {.low = low, .high = high > low ? high : low + 1, .start = start, .end = end};
   }
   double at(double value) const { return start + (std::log10(value) - low) / (high - low) * (end - start); }
 };

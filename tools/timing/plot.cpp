@@ -159,7 +159,8 @@ Decades time_axis(const std::vector<Curve>& curves, double mark_us) {
     shortest_us = std::min(shortest_us, static_cast<double>(Histogram::upper_bound_ns(first)) * 1e-3);
   }
   const double low = std::floor(std::log10(std::max(shortest_us, 0.01)) + 1e-9);
-  return {low, std::max(low + 1, std::ceil(std::log10(longest_us))), kLeft, kWidth - kRight};
+  return {
+      .low = low, .high = std::max(low + 1, std::ceil(std::log10(longest_us))), .start = kLeft, .end = kWidth - kRight};
 }
 
 // The share of the ticks that took longer, as steps.
@@ -235,7 +236,10 @@ std::string histogram_svg(const std::string& sentence, const Provenance& made, c
   const double mark_us = static_cast<double>(mark_ns) * 1e-3;
   top = draw_key(drawing, drawn, mark_us, top + 10) + 34;
   const Decades x = time_axis(curves, mark_us);
-  const Decades y{0, std::ceil(std::log10(static_cast<double>(most)) - 1e-9), top, top + kPlotHeight};
+  const Decades y{.low = 0,
+                  .high = std::ceil(std::log10(static_cast<double>(most)) - 1e-9),
+                  .start = top,
+                  .end = top + kPlotHeight};
   draw_axes(drawing, x, y);
   for (std::size_t i = 0; i < drawn.size(); ++i) drawing.curve(i, *drawn[i], falling(*drawn[i]->times, x, y));
   drawing.line("limit", x.at(mark_us), y.start, x.at(mark_us), y.end);
