@@ -127,7 +127,11 @@ void Device::log_fault(State before, Fault fault_before, const Encoders::Reading
 }
 
 ConfigView Device::in_force() const noexcept {
-  return {&controller_.config(), &encoders_.config(), &thermal_.config(), &gravity_, &bus_};
+  return {.control = &controller_.config(),
+          .encoders = &encoders_.config(),
+          .thermal = &thermal_.config(),
+          .gravity = &gravity_,
+          .bus = &bus_};
 }
 
 std::span<const std::byte> Device::block_to_store() const noexcept {

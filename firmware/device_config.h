@@ -31,7 +31,9 @@ struct DeviceConfig {
   GravityConfig gravity;
   BusConfig bus;
 
-  ConfigView view() const noexcept { return {&control, &encoders, &thermal, &gravity, &bus}; }
+  ConfigView view() const noexcept {
+    return {.control = &control, .encoders = &encoders, .thermal = &thermal, .gravity = &gravity, .bus = &bus};
+  }
 };
 
 // Checks each part for consistency; the registers (registers.h) check the ranges of single values.

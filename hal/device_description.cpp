@@ -9,7 +9,10 @@ namespace tactus::hal {
 namespace {
 
 DescriptionMistake above(const char* key, double value, double peak) {
-  return {"limits", key, fmt::format("{:g} is above the peak", value), fmt::format("at most {:g}", peak)};
+  return {.table = "limits",
+          .key = key,
+          .what = fmt::format("{:g} is above the peak", value),
+          .accepted = fmt::format("at most {:g}", peak)};
 }
 
 }  // namespace
@@ -37,13 +40,18 @@ AxisKinds axes_of(KinematicsKind kind) noexcept {
 DescriptionMistake find_mistake(const DeviceDescription& d) {
   const double largest = largest_workspace_m(d.links);
   if (d.kind != KinematicsKind::kStage && d.workspace_radius_m > largest)
-    return {"workspace", "radius_m", fmt::format("{:g} is more than the links reach freely", d.workspace_radius_m),
-            fmt::format("at most {:g}, or longer links", largest)};
+    return {.table = "workspace",
+            .key = "radius_m",
+            .what = fmt::format("{:g} is more than the links reach freely", d.workspace_radius_m),
+            .accepted = fmt::format("at most {:g}, or longer links", largest)};
   if (d.continuous_force_N > d.peak_force_N) return above("continuous_force_N", d.continuous_force_N, d.peak_force_N);
   if (d.continuous_torque_Nm > d.peak_torque_Nm)
     return above("continuous_torque_Nm", d.continuous_torque_Nm, d.peak_torque_Nm);
   if (!d.has_rotation() && d.peak_torque_Nm > 0)
-    return {"limits", "peak_torque_Nm", "set, but a point_arm takes no torque", "0, or another kinematics kind"};
+    return {.table = "limits",
+            .key = "peak_torque_Nm",
+            .what = "set, but a point_arm takes no torque",
+            .accepted = "0, or another kinematics kind"};
   return {};
 }
 

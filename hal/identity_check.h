@@ -91,8 +91,11 @@ class IdentityCheck {
   // Returns 0 once a check has failed: only the first failure is reported.
   std::uint32_t read(std::uint16_t number) {
     if (!status_.ok()) return 0;
-    const firmware::ServiceMessage request{firmware::Operation::kRead, firmware::ServiceStatus::kGood, ++tag_, number,
-                                           0};
+    const firmware::ServiceMessage request{.operation = firmware::Operation::kRead,
+                                           .status = firmware::ServiceStatus::kGood,
+                                           .tag = ++tag_,
+                                           .address = number,
+                                           .value = 0};
     const auto reply = link_.call(request, patience_);
     if (!reply.ok()) {
       status_ = reply.status();

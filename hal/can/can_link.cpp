@@ -48,7 +48,8 @@ Result<Heard> listen(const CanOptions& options, bool fd) {
   constexpr std::uint32_t function_bits = 0xfu << 7;
   const can_filter states{can_id(CanFunction::kState0, 0), function_bits | CAN_EFF_FLAG | CAN_RTR_FLAG};
   CanSocket socket;
-  const CanOpenError failed = socket.open({options.interface.c_str(), std::span(&states, 1), 0, fd});
+  const CanOpenError failed =
+      socket.open({.interface = options.interface.c_str(), .filters = std::span(&states, 1), .errors = 0, .fd = fd});
   if (failed.step != CanOpenError::Step::kNone) return cannot_open(options.interface, failed);
   Heard heard;
   const std::int64_t deadline = MonotonicClock::now_ns() + nanoseconds(options.first_frame).count();
@@ -121,7 +122,7 @@ CanOpenError CanLink::open_socket(CanSocket& socket) const noexcept {
   constexpr std::array<CanFunction, 4> functions{CanFunction::kState0, CanFunction::kState1, CanFunction::kState2,
                                                  CanFunction::kStatus};
   for (std::size_t i = 0; i < filters.size(); ++i) filters[i] = firmware::exactly(can_id(functions[i], options_.node));
-  return socket.open({options_.interface.c_str(), filters, kErrors, fd_});
+  return socket.open({.interface = options_.interface.c_str(), .filters = filters, .errors = kErrors, .fd = fd_});
 }
 
 Status CanLink::start() {
@@ -281,7 +282,8 @@ Result<firmware::ServiceMessage> CanLink::call(const firmware::ServiceMessage& r
                                                std::chrono::milliseconds timeout) {
   const can_filter replies = firmware::exactly(can_id(CanFunction::kServiceReply, options_.node));
   CanSocket socket;
-  const CanOpenError failed = socket.open({options_.interface.c_str(), std::span(&replies, 1), 0, false});
+  const CanOpenError failed = socket.open(
+      {.interface = options_.interface.c_str(), .filters = std::span(&replies, 1), .errors = 0, .fd = false});
   if (failed.step != CanOpenError::Step::kNone) return cannot_open(options_.interface, failed);
   firmware::CanData content{};
   firmware::encode_service_content(request, content);

@@ -23,9 +23,15 @@ bool is_mit(DriveFamily family) noexcept {
 
 DriveMistake of_buses(const DriveDescription& d) {
   if (d.buses.empty() || d.buses.size() > kMaxBuses)
-    return {-1, "buses", fmt::format("{} buses", d.buses.size()), fmt::format("1 to {}", kMaxBuses)};
+    return {.axis = -1,
+            .key = "buses",
+            .what = fmt::format("{} buses", d.buses.size()),
+            .accepted = fmt::format("1 to {}", kMaxBuses)};
   if (const Status status = check_bus_names(d.buses); !status.ok())
-    return {-1, "buses", status.message(), "the names of CAN interfaces, such as [\"can0\", \"can1\"]"};
+    return {.axis = -1,
+            .key = "buses",
+            .what = status.message(),
+            .accepted = "the names of CAN interfaces, such as [\"can0\", \"can1\"]"};
   return {};
 }
 
@@ -33,14 +39,21 @@ DriveMistake of_all(const DriveDescription& d, const DeviceDescription& device) 
   const AxisKinds kinds = axes_of(device.kind);
   const DriveCodec& codec = codec_of(d.family);
   if (d.axes.size() != kinds.prismatic + kinds.rotary)
-    return {-1, "axis", fmt::format("{} entries", d.axes.size()),
-            fmt::format("{}, one for each axis in order", kinds.prismatic + kinds.rotary)};
+    return {.axis = -1,
+            .key = "axis",
+            .what = fmt::format("{} entries", d.axes.size()),
+            .accepted = fmt::format("{}, one for each axis in order", kinds.prismatic + kinds.rotary)};
   if (auto found = of_buses(d); found.key != nullptr) return found;
   if (codec.needs_fd && d.data_bit_per_s == 0)
-    return {-1, "data_bit_per_s", fmt::format("missing, but {} needs CAN FD", codec.name), "such as 5000000"};
+    return {.axis = -1,
+            .key = "data_bit_per_s",
+            .what = fmt::format("missing, but {} needs CAN FD", codec.name),
+            .accepted = "such as 5000000"};
   if (d.watchdog_s > kLongestWatchdog_s)
-    return {-1, "watchdog_ms", fmt::format("{:g} ms: the drives hold a torque as long", 1e3 * d.watchdog_s),
-            "at most 10; set the drives to it"};
+    return {.axis = -1,
+            .key = "watchdog_ms",
+            .what = fmt::format("{:g} ms: the drives hold a torque as long", 1e3 * d.watchdog_s),
+            .accepted = "at most 10; set the drives to it"};
   return {};
 }
 
@@ -51,18 +64,32 @@ DriveMistake of_identifiers(const DriveDescription& d, unsigned i) {
                        : d.family == DriveFamily::kOdrive    ? 63
                        : d.family == DriveFamily::kRobStride ? 127
                                                              : 0x7fe;
-  if (axis.bus >= d.buses.size()) return {at, "bus", fmt::format("{} is none of the buses", axis.bus), "0 to the last"};
-  if (axis.id < 1 || axis.id > top) return {at, "id", fmt::format("{} is no id", axis.id), fmt::format("1 to {}", top)};
+  if (axis.bus >= d.buses.size())
+    return {.axis = at,
+            .key = "bus",
+            .what = fmt::format("{} is none of the buses", axis.bus),
+            .accepted = "0 to the last"};
+  if (axis.id < 1 || axis.id > top)
+    return {
+        .axis = at, .key = "id", .what = fmt::format("{} is no id", axis.id), .accepted = fmt::format("1 to {}", top)};
   if (is_mit(d.family) && axis.answer_id <= axis.id)
-    return {at, "answer_id", fmt::format("{} would outrank the command of another drive", axis.answer_id),
-            "an identifier above those of all commands, another for each drive"};
+    return {.axis = at,
+            .key = "answer_id",
+            .what = fmt::format("{} would outrank the command of another drive", axis.answer_id),
+            .accepted = "an identifier above those of all commands, another for each drive"};
   for (unsigned k = 0; k < d.axes.size(); ++k) {
     const DriveAxis& other = d.axes[k];
     if (other.bus != axis.bus || k == i) continue;
-    if (other.id == axis.id) return {at, "id", fmt::format("{} is that of axis {}, too", axis.id, k), "one of its own"};
+    if (other.id == axis.id)
+      return {.axis = at,
+              .key = "id",
+              .what = fmt::format("{} is that of axis {}, too", axis.id, k),
+              .accepted = "one of its own"};
     if (is_mit(d.family) && (other.answer_id == axis.answer_id || other.id >= axis.answer_id))
-      return {at, "answer_id", fmt::format("{} meets axis {}", axis.answer_id, k),
-              "an identifier above those of all commands, another for each drive"};
+      return {.axis = at,
+              .key = "answer_id",
+              .what = fmt::format("{} meets axis {}", axis.answer_id, k),
+              .accepted = "an identifier above those of all commands, another for each drive"};
   }
   return {};
 }
@@ -71,13 +98,20 @@ DriveMistake of_gains(const DriveDescription& d, unsigned i) {
   const DriveAxis& axis = d.axes[i];
   const DriveCodec& codec = codec_of(d.family);
   const int at = static_cast<int>(i);
-  if (std::abs(axis.sign) != 1) return {at, "sign", fmt::format("{:g}", axis.sign), "1 or -1"};
+  if (std::abs(axis.sign) != 1)
+    return {.axis = at, .key = "sign", .what = fmt::format("{:g}", axis.sign), .accepted = "1 or -1"};
   const auto damping = [&](const char* key, double value) -> DriveMistake {
     if (value <= 0) return {};
-    if (!codec.damps) return {at, key, fmt::format("{} has no damping of its own", codec.name), "leave it out"};
+    if (!codec.damps)
+      return {.axis = at,
+              .key = key,
+              .what = fmt::format("{} has no damping of its own", codec.name),
+              .accepted = "leave it out"};
     if (value > axis.damping_range_Nms_per_rad)
-      return {at, key, fmt::format("{:g} is beyond the drive's range", value),
-              fmt::format("at most {:g}", axis.damping_range_Nms_per_rad)};
+      return {.axis = at,
+              .key = key,
+              .what = fmt::format("{:g} is beyond the drive's range", value),
+              .accepted = fmt::format("at most {:g}", axis.damping_range_Nms_per_rad)};
     return {};
   };
   if (auto found = damping("damping_Nms_per_rad", axis.damping_Nms_per_rad); found.key != nullptr) return found;
@@ -111,14 +145,17 @@ DriveMistake of_ranges(const DeviceProfile& profile, unsigned i, double farthest
   const int at = static_cast<int>(i);
   const double torque = profile.bounds.effort[i] / axis.ratio;
   if (torque > axis.torque_range_Nm)
-    return {at, "torque_range_Nm",
-            fmt::format("{:g}, but the peak force and torque at the tool need {:.3g} of the drive",
-                        axis.torque_range_Nm, torque),
-            "a stronger drive, a larger ratio, or lower limits"};
+    return {.axis = at,
+            .key = "torque_range_Nm",
+            .what = fmt::format("{:g}, but the peak force and torque at the tool need {:.3g} of the drive",
+                                axis.torque_range_Nm, torque),
+            .accepted = "a stronger drive, a larger ratio, or lower limits"};
   if (axis.position_range_rad > 0 && farthest_rad > kUsableRange * axis.position_range_rad)
-    return {at, "position_range_rad",
-            fmt::format("{:g}, but the drive turns to {:.3g} in the workspace", axis.position_range_rad, farthest_rad),
-            "at most nine tenths of it are used: another offset, a smaller ratio, or a wider range"};
+    return {.axis = at,
+            .key = "position_range_rad",
+            .what = fmt::format("{:g}, but the drive turns to {:.3g} in the workspace", axis.position_range_rad,
+                                farthest_rad),
+            .accepted = "at most nine tenths of it are used: another offset, a smaller ratio, or a wider range"};
   return {};
 }
 

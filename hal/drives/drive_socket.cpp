@@ -63,7 +63,8 @@ Result<std::unique_ptr<DriveBus>> DriveSocket::open(const DriveDescription& driv
     if (axis.bus == bus) filters.push_back(filter_of(drives.family, axis));
   auto made = std::make_unique<DriveSocket>();
   const auto queue = static_cast<unsigned>(std::max<std::size_t>(6, 2 * filters.size()));
-  const CanOpenError failed = made->socket_.open({interface.c_str(), filters, kErrors, fd, queue});
+  const CanOpenError failed = made->socket_.open(
+      {.interface = interface.c_str(), .filters = filters, .errors = kErrors, .fd = fd, .queued_sends = queue});
   if (failed.step != CanOpenError::Step::kNone)
     return Status::error(fmt::format("cannot open {}: {}", interface, std::strerror(failed.number)));
   return std::unique_ptr<DriveBus>(std::move(made));

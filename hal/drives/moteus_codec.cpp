@@ -160,8 +160,19 @@ DriveDecode decode(const DriveAxis& axis, const DriveFrame& frame, DriveAnswer& 
 
 }  // namespace
 
-const DriveCodec kMoteusCodec{"moteus", encode, decode,           32, 20, true, false, true, true, true,
-                              true,     0,      kMoteusScaleSteps};
+const DriveCodec kMoteusCodec{.name = "moteus",
+                              .encode = encode,
+                              .decode = decode,
+                              .command_bytes = 32,
+                              .answer_bytes = 20,
+                              .extended_command = true,
+                              .extended_answer = false,
+                              .needs_fd = true,
+                              .damps = true,
+                              .tells_enabled = true,
+                              .has_float_position = true,
+                              .default_damping_range_Nms_per_rad = 0,
+                              .damping_steps = kMoteusScaleSteps};
 
 DriveFrame moteus_read(unsigned id, MoteusRegister first, unsigned count) noexcept {
   DriveFrame frame = to(id);

@@ -85,8 +85,19 @@ DriveDecode decode(const DriveAxis& axis, const DriveFrame& frame, DriveAnswer& 
 
 }  // namespace
 
-const DriveCodec kRobStrideCodec{"robstride", encode, decode, 8,     8, true,         true,
-                                 false,       true,   true,   false, 5, kDampingSteps};
+const DriveCodec kRobStrideCodec{.name = "robstride",
+                                 .encode = encode,
+                                 .decode = decode,
+                                 .command_bytes = 8,
+                                 .answer_bytes = 8,
+                                 .extended_command = true,
+                                 .extended_answer = true,
+                                 .needs_fd = false,
+                                 .damps = true,
+                                 .tells_enabled = true,
+                                 .has_float_position = false,
+                                 .default_damping_range_Nms_per_rad = 5,
+                                 .damping_steps = kDampingSteps};
 
 DriveFrame robstride_ask_id(unsigned motor_id) noexcept { return plain(kAskId, motor_id, 0); }
 

@@ -40,7 +40,9 @@ class SimulatedDrive {
   void advance(double time_s) noexcept;
   bool send_cyclic(const DriveShaft& shaft, DriveFrame& frame) noexcept;
 
-  DriveLaw law() const noexcept { return {enabled_, braked_, torque_, damping_}; }
+  DriveLaw law() const noexcept {
+    return {.enabled = enabled_, .braked = braked_, .torque_Nm = torque_, .damping_Nms_per_rad = damping_};
+  }
   // N m on the shaft at this speed.
   double torque_Nm(double speed_rad_per_s) const noexcept { return law().at(axis_, speed_rad_per_s); }
   double commanded_Nm() const noexcept { return law().commanded_Nm(); }

@@ -17,8 +17,12 @@ constexpr std::uint8_t kAllHomed = 7;
 FalconLogic::FalconLogic(double gain_per_Nm, std::int64_t period_ns)
     : gain_per_Nm_(gain_per_Nm), period_ns_(period_ns) {
   const AxisVector quantum{DeltaArm::kCount_rad, DeltaArm::kCount_rad, DeltaArm::kCount_rad, 0, 0, 0};
-  const WorkspaceBounds bounds =
-      bounds_over(DeltaArm(), quantum, {DeltaArm::kWorkspaceRadius_m, kFalconForce_N, 0, 1, 0});
+  const WorkspaceBounds bounds = bounds_over(DeltaArm(), quantum,
+                                             {.workspace_radius_m = DeltaArm::kWorkspaceRadius_m,
+                                              .force_N = kFalconForce_N,
+                                              .torque_Nm = 0,
+                                              .speed_m_per_s = 1,
+                                              .angular_speed_rad_per_s = 0});
   properties_.has_rotation = false;
   properties_.workspace_radius_m = DeltaArm::kWorkspaceRadius_m;
   properties_.max_speed_m_per_s = 1.5;

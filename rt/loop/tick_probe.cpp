@@ -37,8 +37,10 @@ std::uint64_t WindowPlan::left(std::uint64_t deadline) const noexcept {
 TickProbe::Usage TickProbe::Usage::now() noexcept {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
-  return {static_cast<std::uint32_t>(usage.ru_minflt), static_cast<std::uint32_t>(usage.ru_majflt),
-          static_cast<std::uint32_t>(usage.ru_nvcsw), static_cast<std::uint32_t>(usage.ru_nivcsw)};
+  return {.minor_faults = static_cast<std::uint32_t>(usage.ru_minflt),
+          .major_faults = static_cast<std::uint32_t>(usage.ru_majflt),
+          .voluntary = static_cast<std::uint32_t>(usage.ru_nvcsw),
+          .involuntary = static_cast<std::uint32_t>(usage.ru_nivcsw)};
 }
 
 void TickProbe::start_record(const TickTiming& timing) noexcept {

@@ -48,7 +48,11 @@ std::string in_quotes(const std::string& text) { return text.empty() ? text : fm
 TableReader::TableReader(const TomlNode* table, std::string where, Diagnostics& diagnostics)
     : table_(table), where_(std::move(where)), diagnostics_(diagnostics) {
   if (table_ != nullptr && table_->kind != TomlKind::kTable) {
-    diagnostics_.add({table_->line, table_->column, where_, table_->shown() + " is not a table", "a table"});
+    diagnostics_.add({.line = table_->line,
+                      .column = table_->column,
+                      .where = where_,
+                      .what = table_->shown() + " is not a table",
+                      .accepted = "a table"});
     table_ = nullptr;
   }
 }
@@ -77,8 +81,11 @@ bool TableReader::has(std::string_view key) { return table_ != nullptr && table_
 Mistake TableReader::at(const char* key, std::string what, std::string accepted_text) {
   const TomlNode* node = table_ == nullptr ? nullptr : table_->find(key);
   if (node == nullptr) node = table_;
-  return {node == nullptr ? 0 : node->line, node == nullptr ? 0 : node->column, name_of(key), std::move(what),
-          std::move(accepted_text)};
+  return {.line = node == nullptr ? 0 : node->line,
+          .column = node == nullptr ? 0 : node->column,
+          .where = name_of(key),
+          .what = std::move(what),
+          .accepted = std::move(accepted_text)};
 }
 
 std::string TableReader::name_of(std::string_view key) const {
@@ -270,9 +277,12 @@ void TableReader::finish() {
     const auto nearest = nearest_word(item.key, known_);
     const std::string key = item.key.size() <= 60 ? item.key : item.key.substr(0, 57) + "...";
     const bool long_list = !nearest.empty() && known_.size() > kFewKeys;
-    diagnostics_.add({item.key_line, item.key_column, where_.empty() ? key : fmt::format("{} {}", where_, key),
-                      nearest.empty() ? "not a key" : fmt::format("not a key, did you mean {}?", nearest),
-                      long_list ? fmt::format("{} and {} others", nearest, known_.size() - 1) : list_of(known_)});
+    diagnostics_.add(
+        {.line = item.key_line,
+         .column = item.key_column,
+         .where = where_.empty() ? key : fmt::format("{} {}", where_, key),
+         .what = nearest.empty() ? "not a key" : fmt::format("not a key, did you mean {}?", nearest),
+         .accepted = long_list ? fmt::format("{} and {} others", nearest, known_.size() - 1) : list_of(known_)});
   }
 }
 

@@ -78,9 +78,9 @@ void for_each_joint_across(const physics::World& world, std::span<const std::uin
     const Vec3d point = bodies[b].motion.pose * joints->joints()[joint].b_from_joint.position;
     const physics::SlotIndex slot_a{a}, slot_b{b};
     if (members[b] != 0)
-      f(JointAcross{slot_b, slot_a, point, {state.force, state.torque}});
+      f(JointAcross{.member = slot_b, .outside = slot_a, .point = point, .on_member = {state.force, state.torque}});
     else
-      f(JointAcross{slot_a, slot_b, point, {-state.force, -state.torque}});
+      f(JointAcross{.member = slot_a, .outside = slot_b, .point = point, .on_member = {-state.force, -state.torque}});
   });
 }
 

@@ -159,6 +159,7 @@ std::string some_of(const std::vector<std::string>& with, std::size_t variants_o
 }  // namespace
 
 std::span<const EitherKey> either_keys() noexcept {
+  // Table, only with, key, other key, one of them needed.
   static constexpr EitherKey kEither[] = {{"[[body]]", "", "mass_kg", "density_kg_per_m3", true},
                                           {"[proxy]", "", "mass_kg", "density_kg_per_m3", true},
                                           {"[[body]]", "hull", "points_m", "file", true},
@@ -180,7 +181,8 @@ std::vector<SceneTable> scene_language() {
     if (table == language.end()) table = language.insert(language.end(), {f.asked.table, "", {}});
     const auto variants_of_table = static_cast<std::size_t>(
         std::count_if(tried.begin(), tried.end(), [&](const auto& v) { return v.first == f.asked.table; }));
-    SceneKey key{f.asked, some_of(f.with, variants_of_table), "", f.asked.fallback};
+    SceneKey key{
+        .asked = f.asked, .only_with = some_of(f.with, variants_of_table), .meaning = "", .fallback = f.asked.fallback};
     if (const Meaning* meaning = meaning_of(f.asked)) {
       key.meaning = meaning->text;
       if (!meaning->fallback.empty()) {

@@ -68,7 +68,8 @@ TEST_CASE("a period takes the command, drives the motors, sends the state, and a
   CHECK(link.state.echoed_sequence == 3);
   CHECK(mechanics.driven.effort[2] == 3.0f);
   CHECK_FALSE(link.reply.has_value());
-  link.request = ServiceMessage{Operation::kRead, ServiceStatus::kGood, 9, number::kState, 0};
+  link.request = ServiceMessage{
+      .operation = Operation::kRead, .status = ServiceStatus::kGood, .tag = 9, .address = number::kState, .value = 0};
   run_period(device, mechanics, link);
   REQUIRE(link.reply.has_value());
   CHECK(link.reply->value == 2);
@@ -84,7 +85,8 @@ TEST_CASE("what a link knows of its bus' errors is in the registers when it is a
   const auto read = [](auto& link, std::uint16_t address) {
     static Device device(bench_config());
     FakeMechanics mechanics;
-    link.request = ServiceMessage{Operation::kRead, ServiceStatus::kGood, 1, address, 0};
+    link.request = ServiceMessage{
+        .operation = Operation::kRead, .status = ServiceStatus::kGood, .tag = 1, .address = address, .value = 0};
     run_period(device, mechanics, link);
     CHECK(link.reply->status == ServiceStatus::kGood);
     return link.reply->value;
@@ -111,7 +113,8 @@ TEST_CASE("a board with storage starts with what was saved, one without says tha
       keeps ? run_period(device, mechanics, link, storage) : run_period(device, mechanics, link);
     };
     const auto ask = [&](Operation operation, std::uint16_t address, std::uint32_t value) {
-      link.request = ServiceMessage{operation, ServiceStatus::kGood, 1, address, value};
+      link.request = ServiceMessage{
+          .operation = operation, .status = ServiceStatus::kGood, .tag = 1, .address = address, .value = value};
       period();
       return *link.reply;
     };

@@ -170,7 +170,8 @@ TEST_CASE("a frame whose bytes come over several periods is handed out when it i
 
 TEST_CASE("a request and a command on one line do not disturb each other") {
   Bench b;
-  const ServiceMessage asked{Operation::kRead, ServiceStatus::kGood, 9, 0x123, 0};
+  const ServiceMessage asked{
+      .operation = Operation::kRead, .status = ServiceStatus::kGood, .tag = 9, .address = 0x123, .value = 0};
   b.receive_command(1);
   b.receive(request(asked));
   b.receive_command(2);
@@ -184,7 +185,8 @@ TEST_CASE("a request and a command on one line do not disturb each other") {
 
 TEST_CASE("a broken request is refused and counted, a broken command is the controller's to refuse") {
   Bench b;
-  Bytes line = request({Operation::kRead, ServiceStatus::kGood, 9, 0x123, 0});
+  Bytes line =
+      request({.operation = Operation::kRead, .status = ServiceStatus::kGood, .tag = 9, .address = 0x123, .value = 0});
   line[line.size() - 2] ^= std::byte{0x80};
   b.receive(line);
   ServiceMessage message;
@@ -198,7 +200,8 @@ TEST_CASE("states and replies leave stuffed, in order, and the port is told") {
   Bench b;
   std::array<std::byte, kStateFrameSize> state{};
   encode_state({}, state);
-  const ServiceMessage reply{Operation::kRead, ServiceStatus::kReadOnly, 4, 5, 6};
+  const ServiceMessage reply{
+      .operation = Operation::kRead, .status = ServiceStatus::kReadOnly, .tag = 4, .address = 5, .value = 6};
   std::array<std::byte, kServiceFrameSize> reply_frame{};
   encode_service(reply, ServiceDirection::kReply, reply_frame);
   b.link.send_state(state);

@@ -59,7 +59,12 @@ TEST_CASE("every flipped bit of a service message is found, and every other leng
 
 TEST_CASE("the content lies where the layout says") {
   std::array<std::byte, kServiceContentSize> b{};
-  encode_service_content({Operation::kWrite, ServiceStatus::kWrongState, 0x51, 0x1234, 0x44434241u}, b);
+  encode_service_content({.operation = Operation::kWrite,
+                          .status = ServiceStatus::kWrongState,
+                          .tag = 0x51,
+                          .address = 0x1234,
+                          .value = 0x44434241u},
+                         b);
   const std::array<unsigned, 8> expected{0x42, 0x51, 0x34, 0x12, 0x41, 0x42, 0x43, 0x44};
   for (std::size_t i = 0; i < 8; ++i) CHECK(std::to_integer<unsigned>(b[i]) == expected[i]);
 }

@@ -55,7 +55,15 @@ TEST_CASE("sequences go on beyond 32 bits, and an old frame stays old") {
 TEST_CASE("a state frame becomes a sample in SI") {
   FrameCodec codec(CartesianStage(), kQuantum, true);
   static_cast<void>(sent(codec, {0x2'0000'0007ull, {}, haptics::DeviceState::kForce, 0}));
-  firmware::StateFrame frame{firmware::State::kForce, 5, 0, 3, 0x81, 9, 6, 123456, {1000, -2000, 3, 100, 200, -300}};
+  firmware::StateFrame frame{.state = firmware::State::kForce,
+                             .buttons = 5,
+                             .missed_commands = 0,
+                             .fault = 3,
+                             .limits = 0x81,
+                             .sequence = 9,
+                             .echoed_sequence = 6,
+                             .time_us = 123456,
+                             .counts = {1000, -2000, 3, 100, 200, -300}};
   haptics::DeviceSample s;
   REQUIRE(codec.decode(state_bytes(frame), s) == firmware::DecodeError::kNone);
   CHECK(s.state == haptics::DeviceState::kForce);

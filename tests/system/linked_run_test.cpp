@@ -134,8 +134,11 @@ TEST_CASE("a device whose register changed in a run is not armed again, and why 
   int looks_after = 0;
   double most_after_N = 0;
   hooks.show = [&](const session::LiveStatus& live, double) {
-    const firmware::ServiceMessage limitless{firmware::Operation::kWrite, firmware::ServiceStatus::kGood, 1,
-                                             firmware::number::kMaxForce, std::bit_cast<std::uint32_t>(1e6f)};
+    const firmware::ServiceMessage limitless{.operation = firmware::Operation::kWrite,
+                                             .status = firmware::ServiceStatus::kGood,
+                                             .tag = 1,
+                                             .address = firmware::number::kMaxForce,
+                                             .value = std::bit_cast<std::uint32_t>(1e6f)};
     if (phase == kPressing && live.force_N.load() > 1.0) {
       phase = kDisarming;
       requests.fetch_or(loop::kDisarm);

@@ -203,8 +203,12 @@ TEST_CASE("a service question is answered while states flow", "[threads]") {
       std::this_thread::sleep_for(1ms);
     }
   });
-  const auto reply =
-      host.link->call({firmware::Operation::kRead, firmware::ServiceStatus::kGood, 77, 0xfff0, 0}, 2000ms);
+  const auto reply = host.link->call({.operation = firmware::Operation::kRead,
+                                      .status = firmware::ServiceStatus::kGood,
+                                      .tag = 77,
+                                      .address = 0xfff0,
+                                      .value = 0},
+                                     2000ms);
   INFO((reply.ok() ? std::string() : reply.message()));
   REQUIRE(reply.ok());
   CHECK(reply.value().tag == 77);

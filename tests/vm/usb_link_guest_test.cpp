@@ -140,7 +140,11 @@ class Host {
 };
 
 ServiceMessage read_request(std::uint16_t address, std::uint8_t tag) {
-  return {firmware::Operation::kRead, firmware::ServiceStatus::kGood, tag, address, 0};
+  return {.operation = firmware::Operation::kRead,
+          .status = firmware::ServiceStatus::kGood,
+          .tag = tag,
+          .address = address,
+          .value = 0};
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ bool wrist_damps(const NewDescription& d) { return damps(d) && has_rotation(d); 
 bool has_drives_in_wrist(const NewDescription& d) { return has_drives(d) && has_rotation(d); }
 bool always(const NewDescription&) { return true; }
 
+// In the order of the fields.
 constexpr Question kQuestions[] = {
     {"--upper-arm", "length of the upper arm, from axis to axis", "m", &NewDescription::upper_arm_m, has_links},
     {"--forearm", "length of the forearm, from its axis to the tool", "m", &NewDescription::forearm_m, has_links},

@@ -82,7 +82,7 @@ McapWriter::McapWriter(std::unique_ptr<OutputFile> file, std::string_view librar
 
 std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema_name,
                                       const std::string& json_schema) {
-  channels_.push_back({topic, schema_name, json_schema, 0, {}});
+  channels_.push_back({.topic = topic, .schema_name = schema_name, .schema = json_schema, .messages = 0, .index = {}});
   return static_cast<std::uint16_t>(channels_.size());
 }
 
@@ -140,7 +140,13 @@ void McapWriter::describe_channels(std::string& out) const {
 
 void McapWriter::close_chunk() {
   if (chunk_.empty()) return;
-  ChunkEntry entry{first_ns_, last_ns_, file_->bytes(), 0, 0, chunk_.size(), {}};
+  ChunkEntry entry{.first_ns = first_ns_,
+                   .last_ns = last_ns_,
+                   .offset = file_->bytes(),
+                   .length = 0,
+                   .index_length = 0,
+                   .size = chunk_.size(),
+                   .indices = {}};
   std::string content, record;
   put(content, first_ns_);
   put(content, last_ns_);

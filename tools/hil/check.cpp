@@ -37,8 +37,15 @@ constexpr Check kChecks[] = {
 std::span<const Check> all_checks() noexcept { return kChecks; }
 
 CheckFinding bad(std::string reason, std::string threshold) {
-  return {CheckVerdict::kBad, {}, std::move(threshold), std::move(reason), {}};
+  return {.verdict = CheckVerdict::kBad,
+          .measured = {},
+          .threshold = std::move(threshold),
+          .reason = std::move(reason),
+          .figures = {}};
 }
-CheckFinding skipped(std::string reason) { return {CheckVerdict::kSkipped, {}, {}, std::move(reason), {}}; }
+CheckFinding skipped(std::string reason) {
+  return {
+      .verdict = CheckVerdict::kSkipped, .measured = {}, .threshold = {}, .reason = std::move(reason), .figures = {}};
+}
 
 }  // namespace tactus::hil

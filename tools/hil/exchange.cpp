@@ -16,14 +16,14 @@ constexpr std::uint64_t kRearmRises =
     2;  // tick in which the flag rises; the device must first have received it cleared
 
 hal::LinkCounters since(const hal::LinkCounters& now, const hal::LinkCounters& before) noexcept {
-  return {now.received - before.received,
-          now.superseded - before.superseded,
-          now.malformed - before.malformed,
-          now.sent - before.sent,
-          now.send_superseded - before.send_superseded,
-          now.send_failed - before.send_failed,
-          now.errors - before.errors,
-          now.disconnects - before.disconnects};
+  return {.received = now.received - before.received,
+          .superseded = now.superseded - before.superseded,
+          .malformed = now.malformed - before.malformed,
+          .sent = now.sent - before.sent,
+          .send_superseded = now.send_superseded - before.send_superseded,
+          .send_failed = now.send_failed - before.send_failed,
+          .errors = now.errors - before.errors,
+          .disconnects = now.disconnects - before.disconnects};
 }
 
 // Passes records from the ring to the director and the result.

@@ -71,13 +71,24 @@ Status check_scene(const SceneFiles& files, const std::string& model, CheckScope
   for (const text::Mistake& mistake : found.mistakes) {
     const Element element = mistake.line < elements.size() ? elements[mistake.line] : Element{};
     if (!element.label.empty())
-      account.refuse({"", model, element.line,
-                      fmt::format("{}: {}: {}", element.label, key_of(mistake.where), mistake.what), mistake.accepted});
+      account.refuse({.kind = "",
+                      .file = model,
+                      .line = element.line,
+                      .what = fmt::format("{}: {}: {}", element.label, key_of(mistake.where), mistake.what),
+                      .accepted = mistake.accepted});
     else if (scope == CheckScope::kWhole)
-      account.refuse({"", model, 0, fmt::format("its scene: {}: {}", mistake.where, mistake.what), mistake.accepted});
+      account.refuse({.kind = "",
+                      .file = model,
+                      .line = 0,
+                      .what = fmt::format("its scene: {}: {}", mistake.where, mistake.what),
+                      .accepted = mistake.accepted});
   }
   if (found.left_out > 0)
-    account.refuse({"", model, 0, fmt::format("{} more values that a scene cannot have", found.left_out), "fewer"});
+    account.refuse({.kind = "",
+                    .file = model,
+                    .line = 0,
+                    .what = fmt::format("{} more values that a scene cannot have", found.left_out),
+                    .accepted = "fewer"});
   return Status::good();
 }
 

@@ -47,8 +47,11 @@ std::optional<ImportError> read_model(const ImportOptions& options, Imported& im
   if (lacks_files && model.message().find("Error opening file") != std::string::npos) return {};
   const std::size_t accepted = model.message().rfind("; accepted: ");
   const std::string what = model.message().substr(0, accepted);
-  imported.account.refuse({"", name, 0, what.starts_with(name + ": ") ? what.substr(name.size() + 2) : what,
-                           "a model that MuJoCo compiles"});
+  imported.account.refuse({.kind = "",
+                           .file = name,
+                           .line = 0,
+                           .what = what.starts_with(name + ": ") ? what.substr(name.size() + 2) : what,
+                           .accepted = "a model that MuJoCo compiles"});
   return {};
 }
 

@@ -53,7 +53,11 @@ class Translator {
 
  private:
   void refuse(const Place& place, const char* kind, std::string what, std::string accepted) {
-    account_.refuse({kind, place.file, place.line, std::move(what), std::move(accepted)});
+    account_.refuse({.kind = kind,
+                     .file = place.file,
+                     .line = place.line,
+                     .what = std::move(what),
+                     .accepted = std::move(accepted)});
   }
 
   std::string geom_label(std::size_t g) const {
@@ -157,7 +161,8 @@ class Translator {
 
   std::vector<DraftPart> moving_mesh(const DraftPart& part, std::size_t g) {
     const ModelGeom& geom = model_.geoms[g];
-    return mesh_parts(soup_of(geom), options_, part, geom_label(g), {"", geom.file, geom.line, "", ""}, account_);
+    return mesh_parts(soup_of(geom), options_, part, geom_label(g),
+                      {.kind = "", .file = geom.file, .line = geom.line, .what = "", .accepted = ""}, account_);
   }
 
   const sim::TriangleSoup& soup_of(const ModelGeom& geom) const {

@@ -48,7 +48,11 @@ class NodeTranslator {
     return found == node.extra.end() ? otherwise : found->second;
   }
   bool refuse(const DraftBody& body, std::string what, std::string accepted) {
-    account_.refuse({"", file_, 0, fmt::format("{}: {}", body.origin, what), std::move(accepted)});
+    account_.refuse({.kind = "",
+                     .file = file_,
+                     .line = 0,
+                     .what = fmt::format("{}: {}", body.origin, what),
+                     .accepted = std::move(accepted)});
     return false;
   }
 
@@ -65,10 +69,12 @@ class NodeTranslator {
         continue;
       }
       if (std::isfinite(value) && value >= known->least) continue;
-      account_.refuse({"", file_, 0,
-                       fmt::format("node \"{}\": {}: {}", node.name, key,
-                                   std::isnan(value) ? "no number" : fmt::format("{:g}", value)),
-                       known->accepted});
+      account_.refuse({.kind = "",
+                       .file = file_,
+                       .line = 0,
+                       .what = fmt::format("node \"{}\": {}: {}", node.name, key,
+                                           std::isnan(value) ? "no number" : fmt::format("{:g}", value)),
+                       .accepted = known->accepted});
       bad.push_back(key);
     }
     for (const std::string& key : bad) node.extra.erase(key);  // what else is wrong is judged without them
@@ -105,7 +111,8 @@ class NodeTranslator {
     if (!is_a_body(own)) return refuse(body, fmt::format("a mass of {:g} kg", own.mass), "a mass above 0");
     DraftPart like;
     like.pose = body.pose;
-    auto parts = mesh_parts(node.soup, pieces_, like, body.origin, {"", file_, 0, "", ""}, account_);
+    auto parts = mesh_parts(node.soup, pieces_, like, body.origin,
+                            {.kind = "", .file = file_, .line = 0, .what = "", .accepted = ""}, account_);
     if (parts.empty()) return false;
     if (parts.size() > 1)
       account_.change(

@@ -27,6 +27,7 @@ struct Figure {
   bool of_rotation{false};  // 0 is accepted for a device without rotation
 };
 
+// In the order of the fields.
 constexpr Figure kFigures[] = {
     {"workspace_radius_m", &DeviceProperties::workspace_radius_m, &haptics::DeviceProperties::workspace_radius_m,
      false},
@@ -94,7 +95,7 @@ Status OwnDevice::start() {
 
 void OwnDevice::read(haptics::DeviceInput& input) noexcept {
   ++state_.reads;
-  DeviceSample sample{state_.last.position_m, state_.last.rotation, 0, 0};
+  DeviceSample sample{.position_m = state_.last.position_m, .rotation = state_.last.rotation, .buttons = 0, .fault = 0};
   const Reading reading = device_.read(sample);
   if (reading == Reading::kFresh) {
     state_.last = sample;

@@ -8,8 +8,10 @@ namespace tactus::library {
 namespace {
 
 BodyState to_state(const physics::BodyMotion& motion) noexcept {
-  return {to_public(motion.pose.position), to_public(motion.pose.rotation), to_public(motion.velocity.linear),
-          to_public(motion.velocity.angular)};
+  return {.position_m = to_public(motion.pose.position),
+          .rotation = to_public(motion.pose.rotation),
+          .velocity_m_per_s = to_public(motion.velocity.linear),
+          .angular_velocity_rad_per_s = to_public(motion.velocity.angular)};
 }
 
 }  // namespace
@@ -87,9 +89,13 @@ void StateView::list_contacts(const session::Session& session, Hand& hand) {
       const physics::ContactPoint& point = contact.points[i];
       if (!(point.total_normal_impulse > 0 || point.separation <= 0)) continue;
       if (hand.contacts.size() == hand.contacts.capacity()) return;
-      hand.contacts.push_back({a.id, b, to_public(centre + point.from_a), to_public(contact.normal),
-                               point.total_normal_impulse * per_s, to_public(point.total_friction * per_s),
-                               point.separation});
+      hand.contacts.push_back({.a = a.id,
+                               .b = b,
+                               .position_m = to_public(centre + point.from_a),
+                               .normal = to_public(contact.normal),
+                               .force_N = point.total_normal_impulse * per_s,
+                               .friction_N = to_public(point.total_friction * per_s),
+                               .separation_m = point.separation});
     }
   }
 }
@@ -106,9 +112,12 @@ void StateView::list_border(const session::Session& session, Hand& hand) {
       hand.roles[contact.outside] = Role::kOutside;
     if (!(contact.step_normal_impulse > 0) || hand.border.size() == hand.border.capacity()) continue;
     const Posed& member = inner->motion.pose;
-    hand.border.push_back({contact.member, contact.outside, to_public(contact.point_on(member)),
-                           to_public(contact.normal), contact.step_normal_impulse * per_s,
-                           to_public(contact.step_tangent_impulse * per_s)});
+    hand.border.push_back({.member = contact.member,
+                           .outside = contact.outside,
+                           .position_m = to_public(contact.point_on(member)),
+                           .normal = to_public(contact.normal),
+                           .force_N = contact.step_normal_impulse * per_s,
+                           .friction_N = to_public(contact.step_tangent_impulse * per_s)});
   }
 }
 

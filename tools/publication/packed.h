@@ -39,7 +39,12 @@ inline ContactForce force_at(const physics::Contact& contact, std::uint32_t poin
   const physics::Body& a = world.bodies()[contact.slot_a];
   const physics::ContactPoint& at = contact.points[point];
   const Position f = position_of(per_s * (at.total_normal_impulse * contact.normal + at.total_friction));
-  return {position_of(a.motion.pose.position + at.from_a), f.x, f.y, f.z, a.id, second_of(contact, world)};
+  return {.point = position_of(a.motion.pose.position + at.from_a),
+          .x = f.x,
+          .y = f.y,
+          .z = f.z,
+          .a = a.id,
+          .b = second_of(contact, world)};
 }
 
 }  // namespace tactus::publication

@@ -80,9 +80,10 @@ Posed HandDevice::measured() const noexcept {
 
 void HandDevice::advance() noexcept {
   const Quatd world_from_device = placement_.world_from_device.rotation;
-  const HandAsked asked{state_.reads - 1, to_world(measured()),
-                        library::to_public(rotate(world_from_device, state_.felt.force)),
-                        library::to_public(rotate(world_from_device, state_.felt.torque))};
+  const HandAsked asked{.tick = state_.reads - 1,
+                        .tool = to_world(measured()),
+                        .force_N = library::to_public(rotate(world_from_device, state_.felt.force)),
+                        .torque_Nm = library::to_public(rotate(world_from_device, state_.felt.torque))};
   const bool pushed = state_.push.has_value();
   const Posed from = state_.target;
   HandWish wish;

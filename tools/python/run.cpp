@@ -324,11 +324,22 @@ void Run::leave_views() {
     for (const BodyNumber& member : session_.members(hand)) const_cast<BodyNumber&>(member) = 0xffffffffu;
     for (const Contact& contact : session_.contacts(hand)) {
       auto& old = const_cast<Contact&>(contact);
-      old = {0xffffffffu, 0xffffffffu, {kNan, kNan, kNan}, {kNan, kNan, kNan}, kNan, {kNan, kNan, kNan}, kNan};
+      old = {.a = 0xffffffffu,
+             .b = 0xffffffffu,
+             .position_m = {kNan, kNan, kNan},
+             .normal = {kNan, kNan, kNan},
+             .force_N = kNan,
+             .friction_N = {kNan, kNan, kNan},
+             .separation_m = kNan};
     }
     for (const BorderContact& contact : session_.border_contacts(hand)) {
       auto& old = const_cast<BorderContact&>(contact);
-      old = {0xffffffffu, 0xffffffffu, {kNan, kNan, kNan}, {kNan, kNan, kNan}, kNan, {kNan, kNan, kNan}};
+      old = {.member = 0xffffffffu,
+             .outside = 0xffffffffu,
+             .position_m = {kNan, kNan, kNan},
+             .normal = {kNan, kNan, kNan},
+             .force_N = kNan,
+             .friction_N = {kNan, kNan, kNan}};
     }
   }
 }

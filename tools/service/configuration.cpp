@@ -39,7 +39,8 @@ class ConfigurationReader {
     log.finish();
     root_.finish();
     for (const std::string& mistake : mistakes_of_options())
-      diagnostics_.add({0, 0, "the file", "does not go together: " + mistake, "see tactus run --help"});
+      diagnostics_.add(
+          {.where = "the file", .what = "does not go together: " + mistake, .accepted = "see tactus run --help"});
   }
 
  private:
@@ -168,7 +169,9 @@ ConfigurationReading read_configuration(std::string_view text, std::string_view 
   ConfigurationReading reading;
   text::TomlNode root;
   if (text.size() > kMaxConfigurationBytes)
-    diagnostics.add({0, 0, "the file", fmt::format("longer than {} bytes", kMaxConfigurationBytes), "a configuration"});
+    diagnostics.add({.where = "the file",
+                     .what = fmt::format("longer than {} bytes", kMaxConfigurationBytes),
+                     .accepted = "a configuration"});
   else if (text::read_toml(text, root, diagnostics))
     ConfigurationReader(root, reading.configuration, std::filesystem::path(name).parent_path(), cores, diagnostics)
         .read();

@@ -19,9 +19,11 @@ class HandInput {
   // The hand is the person's from the next lead() on, where it then is.
   void take() noexcept { ++take_; }
   // To this far from where it was taken [m; rotation vector, rad].
-  void lead(const Vec3d& moved, const Vec3d& turned) noexcept { send({take_, 1, moved, turned}); }
+  void lead(const Vec3d& moved, const Vec3d& turned) noexcept {
+    send({.take = take_, .leads = 1, .moved = moved, .turned = turned});
+  }
   // It rests where it is, until it is taken again or the scene is reset.
-  void rest() noexcept { send({take_, 0, {}, {}}); }
+  void rest() noexcept { send({.take = take_, .leads = 0, .moved = {}, .turned = {}}); }
 
   // Before each tick. `world_from_device`, `motion_scale`: as the scene places the device.
   void apply(hal::SimulatedDevice& device, const Posed& world_from_device, double motion_scale) noexcept {

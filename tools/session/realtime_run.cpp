@@ -284,7 +284,7 @@ Result<RunSummary> run_realtime(Session& session, const RealtimeHooks& hooks, co
       return hooks.show(*live.front(), elapsed_s);
     };
   all.stepped = {hooks.taps.stepped, hooks.taps.context};
-  all.hands = {{hooks.began, hooks.requests, hooks.probe, hooks.taps}};
+  all.hands = {{.began = hooks.began, .requests = hooks.requests, .probe = hooks.probe, .taps = hooks.taps}};
   Session* const only = &session;
   auto summaries = run_realtime({&only, 1}, all, stop);
   if (!summaries.ok()) return summaries.status();

@@ -22,8 +22,13 @@ SavedHand save_hand(const Session& session) {
   session.loop->save(out);
   TACTUS_CHECK(out.ok(), out.size(), bytes.size());
   bytes.resize(out.size());
-  SavedHand saved{std::move(bytes), session.driver->state(), *session.governor, {}, {},
-                  session.stats,    session.progress()};
+  SavedHand saved{.loop = std::move(bytes),
+                  .driver = session.driver->state(),
+                  .governor = *session.governor,
+                  .device = {},
+                  .exchange = {},
+                  .stats = session.stats,
+                  .progress = session.progress()};
   if (const hal::SimulatedDevice* device = session.simulated()) saved.device = *device;
   if (session.exchange == nullptr) return saved;
   saved.exchange = std::make_unique<haptics::Exchange>();

@@ -61,10 +61,22 @@ struct ScenesAxis {
 };
 
 std::array<ScenesAxis, 2> axes_of(const SchemeGains& g) {
-  return {{{"translational", "stiffness_N_per_m", "N/m", "N s/m", g.asked.stiffness_N_per_m, g.asked.damping_Ns_per_m,
-            g.gains.stiffness_N_per_m, g.stiffness_limit_N_per_m},
-           {"rotational", "stiffness_Nm_per_rad", "N m/rad", "N m s/rad", g.asked.stiffness_Nm_per_rad,
-            g.asked.damping_Nms_per_rad, g.gains.stiffness_Nm_per_rad, g.stiffness_limit_Nm_per_rad}}};
+  return {{{.name = "translational",
+            .key = "stiffness_N_per_m",
+            .stiffness_unit = "N/m",
+            .damping_unit = "N s/m",
+            .stiffness = g.asked.stiffness_N_per_m,
+            .damping = g.asked.damping_Ns_per_m,
+            .used = g.gains.stiffness_N_per_m,
+            .limit = g.stiffness_limit_N_per_m},
+           {.name = "rotational",
+            .key = "stiffness_Nm_per_rad",
+            .stiffness_unit = "N m/rad",
+            .damping_unit = "N m s/rad",
+            .stiffness = g.asked.stiffness_Nm_per_rad,
+            .damping = g.asked.damping_Nms_per_rad,
+            .used = g.gains.stiffness_Nm_per_rad,
+            .limit = g.stiffness_limit_Nm_per_rad}}};
 }
 
 // Error about the limit of the coupling scheme.

@@ -95,9 +95,12 @@ hal::HandModel make_hand(const sim::Scene& scene) {
   for (const sim::ScriptWaypoint& waypoint : script.path) {
     const Quatd rotation = device_from_world.rotation * quat_from_rotation_vector(waypoint.rotation_vector_rad);
     const Vec3d velocity = rotate(device_from_world.rotation, waypoint.velocity_m_per_s);
-    path.push_back({waypoint.time_s, (device_from_world * waypoint.position_m) * (1.0 / scene.device.motion_scale),
-                    hal::rotation_vector_of(rotation), velocity * (1.0 / scene.device.motion_scale),
-                    rotate(device_from_world.rotation, waypoint.angular_velocity_rad_per_s)});
+    path.push_back(
+        {.time_s = waypoint.time_s,
+         .position_m = (device_from_world * waypoint.position_m) * (1.0 / scene.device.motion_scale),
+         .rotation_vector_rad = hal::rotation_vector_of(rotation),
+         .velocity_m_per_s = velocity * (1.0 / scene.device.motion_scale),
+         .angular_velocity_rad_per_s = rotate(device_from_world.rotation, waypoint.angular_velocity_rad_per_s)});
   }
   hal::HandParameters parameters;
   parameters.stiffness_N_per_m = script.stiffness_N_per_m;
@@ -238,8 +241,10 @@ Status Session::share_world(std::span<Session* const> hands) {
   sim::GlobalOptions global = global_options(first.scene, first.options, first.device->properties());
   for (const Session* other : hands.subspan(1)) {
     const sim::GlobalOptions own = global_options(other->scene, other->options, other->device->properties());
-    global.more_devices.push_back(
-        {other->scene.proxy, own.gains, own.reach.max_speed_m_per_s, own.reach.max_angular_speed_rad_per_s});
+    global.more_devices.push_back({.proxy = other->scene.proxy,
+                                   .gains = own.gains,
+                                   .max_speed_m_per_s = own.reach.max_speed_m_per_s,
+                                   .max_angular_speed_rad_per_s = own.reach.max_angular_speed_rad_per_s});
   }
   if (const Status status = sim::check_global_options(first.scene, global); !status.ok()) return status;
   const auto world = std::make_shared<sim::GlobalWorld>(first.scene, global);

@@ -153,7 +153,10 @@ bool shared_body_rings_out(const sim::Scene& scene, const RunOptions& options, c
   own.ratio = ratio_of(scene, options);
   own.members = 0;
   sim::GlobalOptions global = global_options(first, own, device);
-  global.more_devices = {{1, global.gains, global.reach.max_speed_m_per_s, global.reach.max_angular_speed_rad_per_s}};
+  global.more_devices = {{.proxy = 1,
+                          .gains = global.gains,
+                          .max_speed_m_per_s = global.reach.max_speed_m_per_s,
+                          .max_angular_speed_rad_per_s = global.reach.max_angular_speed_rad_per_s}};
   sim::GlobalWorld world(first, global);
   std::array<PairHand, 2> hands;
   std::vector<LateDevice> devices(2, LateDevice(axis_of(scene, options, device, axis)));

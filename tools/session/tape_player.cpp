@@ -24,7 +24,7 @@ bool fire_at(void* sweep, std::uint32_t now) noexcept { return now >= *static_ca
 Result<OpenTape> open_tape(const std::string& path) {
   auto reader = loop::TapeReader::open(path);
   if (!reader.ok()) return reader.status();
-  OpenTape tape{path, std::move(reader).value(), {}, {}};
+  OpenTape tape{.path = path, .reader = std::move(reader).value(), .settings = {}, .warning = {}};
   auto settings = from_tape_text(tape.reader->text());
   if (!settings.ok()) return prefixed(tape, settings.message());
   tape.settings = std::move(settings).value();

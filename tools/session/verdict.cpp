@@ -25,27 +25,27 @@ RunRuling fault_of(const RunSummary& s) {
   const auto& faults = s.stats.faults;
   const bool latched = s.fault_latched();
   const Fault fault = latched ? faults[faults.size() - 1].fault : Fault::kNone;
-  return {"fault",
-          "faults latched at the end",
-          "",
-          latched ? 1.0 : 0.0,
-          kInfinite,
-          0,
-          latched ? fmt::format("a fault is latched: {}", describe(fault)) : "",
-          "see the faults below; Enter or --rearm takes one back"};
+  return {.rule = "fault",
+          .figure = "faults latched at the end",
+          .unit = "",
+          .measured = latched ? 1.0 : 0.0,
+          .degraded_above = kInfinite,
+          .bad_above = 0,
+          .found = latched ? fmt::format("a fault is latched: {}", describe(fault)) : "",
+          .remedy = "see the faults below; Enter or --rearm takes one back"};
 }
 
 RunRuling recovered_of(const RunSummary& s) {
   const std::uint64_t recovered = s.stats.fault_count - std::min<std::uint64_t>(s.stats.fault_count, s.fault_latched());
-  return {
-      "faults",
-      "faults that were taken back",
-      "",
-      static_cast<double>(recovered),
-      0,
-      kInfinite,
-      fmt::format("{} {} latched and taken back: no force meanwhile", recovered, recovered == 1 ? "fault" : "faults"),
-      "see the faults below: each has its cause"};
+  return {.rule = "faults",
+          .figure = "faults that were taken back",
+          .unit = "",
+          .measured = static_cast<double>(recovered),
+          .degraded_above = 0,
+          .bad_above = kInfinite,
+          .found = fmt::format("{} {} latched and taken back: no force meanwhile", recovered,
+                               recovered == 1 ? "fault" : "faults"),
+          .remedy = "see the faults below: each has its cause"};
 }
 
 // Without a sample the hand feels a fading force, or none.
@@ -54,34 +54,39 @@ RunRuling samples_of(const RunSummary& s) {
     return s.stats.status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))];
   };
   const std::uint64_t missing = ticks_with(kFrameMissing), rejected = ticks_with(kInputRejected);
-  return {"samples",
-          "ticks without a sample of the device that could be used",
-          "%",
-          100 * std::min(1.0, share_of(missing + rejected, s.stats.ticks)),
-          1,
-          kInfinite,
-          fmt::format("in {} ticks no sample came, in {} it was refused, of {}", missing, rejected, s.stats.ticks),
-          "see the faults and conditions below; `tactus hil` looks at the link"};
+  return {
+      .rule = "samples",
+      .figure = "ticks without a sample of the device that could be used",
+      .unit = "%",
+      .measured = 100 * std::min(1.0, share_of(missing + rejected, s.stats.ticks)),
+      .degraded_above = 1,
+      .bad_above = kInfinite,
+      .found = fmt::format("in {} ticks no sample came, in {} it was refused, of {}", missing, rejected, s.stats.ticks),
+      .remedy = "see the faults and conditions below; `tactus hil` looks at the link"};
 }
 
 RunRuling own_work_of(const RunSummary& s) {
-  return {"own-work",
-          "ticks lost to own work",
-          "",
-          static_cast<double>(s.overruns_own_work),
-          kInfinite,
-          0,
-          fmt::format("{} ticks were lost to the program's own work", s.overruns_own_work),
-          "fewer --members, a lower --rate, or --budget"};
+  return {.rule = "own-work",
+          .figure = "ticks lost to own work",
+          .unit = "",
+          .measured = static_cast<double>(s.overruns_own_work),
+          .degraded_above = kInfinite,
+          .bad_above = 0,
+          .found = fmt::format("{} ticks were lost to the program's own work", s.overruns_own_work),
+          .remedy = "fewer --members, a lower --rate, or --budget"};
 }
 
 RunRuling scene_of(const std::vector<std::string>& problems) {
   std::string found;
   for (const std::string& problem : problems) found += (found.empty() ? "" : "; ") + problem;
-  return {"scene",   "problems of the scene",
-          "",        static_cast<double>(problems.size()),
-          kInfinite, 0,
-          found,     "mend the scene: `tactus scene check` says the same"};
+  return {.rule = "scene",
+          .figure = "problems of the scene",
+          .unit = "",
+          .measured = static_cast<double>(problems.size()),
+          .degraded_above = kInfinite,
+          .bad_above = 0,
+          .found = found,
+          .remedy = "mend the scene: `tactus scene check` says the same"};
 }
 
 RunRuling overlap_of(const RunSummary& s) {
@@ -93,14 +98,14 @@ RunRuling overlap_of(const RunSummary& s) {
              : fmt::format("{} overlapped by {:.2f} mm",
                            s.overlapped.empty() ? fmt::format("bodies {} and {}", deepest.a, deepest.b) : s.overlapped,
                            1e3 * deepest.depth);
-  return {"overlap",
-          "deepest overlap of the thinner body",
-          "%",
-          100 * share,
-          10,
-          50,
-          fmt::format("{}, {:.0f} % of the thinner one's thickness", who, 100 * share),
-          "more sub-steps with a higher contact_hertz_Hz, more --members, a lower --ratio, or a slower hand"};
+  return {.rule = "overlap",
+          .figure = "deepest overlap of the thinner body",
+          .unit = "%",
+          .measured = 100 * share,
+          .degraded_above = 10,
+          .bad_above = 50,
+          .found = fmt::format("{}, {:.0f} % of the thinner one's thickness", who, 100 * share),
+          .remedy = "more sub-steps with a higher contact_hertz_Hz, more --members, a lower --ratio, or a slower hand"};
 }
 
 // An incomplete energy account is not judged.
@@ -112,25 +117,30 @@ void add_energy(const RunSummary& s, std::vector<RunRuling>& rulings) {
   const auto share_above = [&](double least_J) { return found_J > least_J ? 100 * found_J / in_play_J : 0.0; };
   const double shown = std::min(1e6, share_above(kMinDegraded_J));
   rulings.push_back(
-      {"energy", "energy that nothing explains", "%", shown, 10, found_J > kMinBad_J ? 25 : kInfinite,
-       fmt::format("the bodies had {:.3g} J more than gravity and the hand explain, {:.0f} % of the {:.3g} J "
-                   "in play",
-                   found_J, shown, in_play_J),
-       "more --members or a lower --ratio: the border between the worlds makes it; more sub-steps where "
-       "there is no border"});
+      {.rule = "energy",
+       .figure = "energy that nothing explains",
+       .unit = "%",
+       .measured = shown,
+       .degraded_above = 10,
+       .bad_above = found_J > kMinBad_J ? 25 : kInfinite,
+       .found = fmt::format("the bodies had {:.3g} J more than gravity and the hand explain, {:.0f} % of the {:.3g} J "
+                            "in play",
+                            found_J, shown, in_play_J),
+       .remedy = "more --members or a lower --ratio: the border between the worlds makes it; more sub-steps where "
+                 "there is no border"});
 }
 
 RunRuling border_of(const RunSummary& s) {
   const auto bit = static_cast<unsigned>(std::countr_zero(static_cast<std::uint32_t>(kBorderSpent)));
   const std::uint64_t ticks = s.stats.status_ticks[bit];
-  return {"border",
-          "ticks with the border spent",
-          "%",
-          100 * share_of(ticks, s.stats.ticks),
-          1,
-          10,
-          fmt::format("the border had nothing left to give in {} of {} ticks", ticks, s.stats.ticks),
-          "more --members, a lower --ratio, or --border capped"};
+  return {.rule = "border",
+          .figure = "ticks with the border spent",
+          .unit = "%",
+          .measured = 100 * share_of(ticks, s.stats.ticks),
+          .degraded_above = 1,
+          .bad_above = 10,
+          .found = fmt::format("the border had nothing left to give in {} of {} ticks", ticks, s.stats.ticks),
+          .remedy = "more --members, a lower --ratio, or --border capped"};
 }
 
 std::string capacity_words(std::uint32_t bits) {
@@ -149,42 +159,44 @@ std::string capacity_words(std::uint32_t bits) {
 RunRuling capacity_of(const RunSummary& s) {
   const std::uint32_t bits = s.stats.capacity_bits | (s.has_global ? s.global.capacity_bits : 0u);
   const std::uint64_t dropped = s.stats.dropped + (s.has_global ? s.global.dropped_entries : 0u);
-  return {"capacity",
-          "entries left out",
-          "",
-          bits != 0 ? std::max(1.0, static_cast<double>(dropped)) : 0.0,
-          0,
-          kInfinite,
-          fmt::format("a capacity was exceeded, of {}: {} entries were left out", capacity_words(bits), dropped),
-          "fewer --members, or a scene with fewer contacts in one place"};
+  return {
+      .rule = "capacity",
+      .figure = "entries left out",
+      .unit = "",
+      .measured = bits != 0 ? std::max(1.0, static_cast<double>(dropped)) : 0.0,
+      .degraded_above = 0,
+      .bad_above = kInfinite,
+      .found = fmt::format("a capacity was exceeded, of {}: {} entries were left out", capacity_words(bits), dropped),
+      .remedy = "fewer --members, or a scene with fewer contacts in one place"};
 }
 
 RunRuling deadlines_of(const RunSummary& s) {
   const std::uint64_t late = s.overruns_late_wake + s.overruns_interrupted, lost = late + s.timing.skipped_ticks;
   const std::uint64_t all = s.timing.ticks + s.timing.skipped_ticks;
-  return {"deadlines",
-          "deadlines lost to the machine",
-          "of 10000",
-          1e4 * share_of(lost, all),
-          most_lost_of_10000(all),
-          kInfinite,
-          fmt::format("the machine lost {} deadlines: {} ticks late, {} skipped", lost, late, s.timing.skipped_ticks),
-          "`tactus doctor` says what takes the core",
-          true};
+  return {.rule = "deadlines",
+          .figure = "deadlines lost to the machine",
+          .unit = "of 10000",
+          .measured = 1e4 * share_of(lost, all),
+          .degraded_above = most_lost_of_10000(all),
+          .bad_above = kInfinite,
+          .found = fmt::format("the machine lost {} deadlines: {} ticks late, {} skipped", lost, late,
+                               s.timing.skipped_ticks),
+          .remedy = "`tactus doctor` says what takes the core",
+          .machine = true};
 }
 
 RunRuling clock_of(const RunSummary& s) {
   const double run_ms = static_cast<double>(s.stats.ticks) * s.options.period_s() * 1e3;
   const double cycles_ms = kLateCycles * s.ratio * s.options.period_s() * 1e3, late_ms = s.dilation_ms();
-  return {"clock",
-          "global clock behind the haptic one",
-          "%",
-          run_ms > 0 ? 100 * late_ms / run_ms : 0.0,
-          run_ms > 0 ? std::max(1.0, 100 * cycles_ms / run_ms) : 1.0,
-          kInfinite,
-          fmt::format("the global world was late: its clock lost {:.0f} of {:.0f} ms", late_ms, run_ms),
-          "a higher --ratio, --world-threads, or a lighter scene",
-          true};
+  return {.rule = "clock",
+          .figure = "global clock behind the haptic one",
+          .unit = "%",
+          .measured = run_ms > 0 ? 100 * late_ms / run_ms : 0.0,
+          .degraded_above = run_ms > 0 ? std::max(1.0, 100 * cycles_ms / run_ms) : 1.0,
+          .bad_above = kInfinite,
+          .found = fmt::format("the global world was late: its clock lost {:.0f} of {:.0f} ms", late_ms, run_ms),
+          .remedy = "a higher --ratio, --world-threads, or a lighter scene",
+          .machine = true};
 }
 
 RunRuling setup_of(const RunSummary& s) {
@@ -195,29 +207,30 @@ RunRuling setup_of(const RunSummary& s) {
       ++failed;
       names += fmt::format("{}{}", names.empty() ? "" : ", ", step.name);
     }
-  return {"set-up",
-          "set-up steps that failed",
-          "",
-          static_cast<double>(failed),
-          0,
-          kInfinite,
-          fmt::format("without {} as asked for: its timing says more about the machine than about tactus", names),
-          "see set-up: each line has its remedy",
-          true};
+  return {
+      .rule = "set-up",
+      .figure = "set-up steps that failed",
+      .unit = "",
+      .measured = static_cast<double>(failed),
+      .degraded_above = 0,
+      .bad_above = kInfinite,
+      .found = fmt::format("without {} as asked for: its timing says more about the machine than about tactus", names),
+      .remedy = "see set-up: each line has its remedy",
+      .machine = true};
 }
 
 RunRuling tape_of(const RunSummary& s) {
   const bool faulty = !s.tape_fault.empty();
-  return {"tape",
-          "ticks and records that are not on the tape",
-          "",
-          static_cast<double>(s.tape_lost_ticks + s.tape_dropped + (faulty ? 1 : 0)),
-          0,
-          kInfinite,
-          faulty ? fmt::format("{}; {} ticks are not on it", s.tape_fault, s.tape_lost_ticks)
-                 : fmt::format("the disk was too slow for the tape: {} records are not on it", s.tape_dropped),
-          "a disk with room, and fast enough; the run itself is whole",
-          true};
+  return {.rule = "tape",
+          .figure = "ticks and records that are not on the tape",
+          .unit = "",
+          .measured = static_cast<double>(s.tape_lost_ticks + s.tape_dropped + (faulty ? 1 : 0)),
+          .degraded_above = 0,
+          .bad_above = kInfinite,
+          .found = faulty ? fmt::format("{}; {} ticks are not on it", s.tape_fault, s.tape_lost_ticks)
+                          : fmt::format("the disk was too slow for the tape: {} records are not on it", s.tape_dropped),
+          .remedy = "a disk with room, and fast enough; the run itself is whole",
+          .machine = true};
 }
 
 // A limit is infinite if the rule does not have that level.

@@ -149,7 +149,8 @@ Result<std::unique_ptr<hal::AnyLink>> open_link(const AskCommand& c, const hal::
     return std::make_unique<hal::AnyLink>(std::make_unique<hil::SimulatedBench>(profile, period_ns));
   if (device_class.open_link == nullptr)
     return Status::error(fmt::format("{} has no registers of tactus' wire; accepted: usb, can, sim", c.device));
-  auto opened = device_class.open_link({choice.value().address, profile, period_ns, {}, {}});
+  auto opened = device_class.open_link(
+      {.address = choice.value().address, .profile = profile, .period_ns = period_ns, .hand = {}, .faults = {}});
   if (!opened.ok()) return opened.status();
   return std::move(opened.value().link);
 }

@@ -64,8 +64,13 @@ void print_json(const Report& report) {
 }
 
 MachineFinding library_finding(const Result<std::string>& look) {
-  if (look.ok()) return {"library", MachineVerdict::kGreen, look.value(), {}, {}};
-  return {"library", MachineVerdict::kRed, look.message(), "install the maker's software, or say where it is", {}};
+  if (look.ok())
+    return {.check = "library", .verdict = MachineVerdict::kGreen, .found = look.value(), .remedy = {}, .commands = {}};
+  return {.check = "library",
+          .verdict = MachineVerdict::kRed,
+          .found = look.message(),
+          .remedy = "install the maker's software, or say where it is",
+          .commands = {}};
 }
 
 int examine(DoctorOptions options) {

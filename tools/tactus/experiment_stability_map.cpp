@@ -28,8 +28,11 @@ Result<experiment::WakeLateness> lateness_of(const MapOptions& options) {
   const auto budget = timing::load_budget(options.budget);
   if (!budget.ok()) return budget.status();
   const timing::Budget& b = budget.value();
-  return experiment::WakeLateness{1e-6 * b.wake_p50_us, 1e-6 * b.wake_p99_9_us, 1e-6 * b.wake_worst_us, options.budget,
-                                  false};
+  return experiment::WakeLateness{.typical_s = 1e-6 * b.wake_p50_us,
+                                  .late_s = 1e-6 * b.wake_p99_9_us,
+                                  .latest_s = 1e-6 * b.wake_worst_us,
+                                  .source = options.budget,
+                                  .degraded = false};
 }
 
 // The command line that gives the same figures.

@@ -130,7 +130,8 @@ int run_on_link(HilCommand& c, const hal::DeviceChoice& choice, const hal::Devic
                 std::int64_t period_ns) {
   std::unique_ptr<hal::AnyLink> link;
   if (choice.device_class->open_link != nullptr) {
-    auto opened = choice.device_class->open_link({choice.address, profile, period_ns, {}, {}});
+    auto opened = choice.device_class->open_link(
+        {.address = choice.address, .profile = profile, .period_ns = period_ns, .hand = {}, .faults = {}});
     if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
     link = std::move(opened.value().link);
   } else {
@@ -150,12 +151,16 @@ int run_on_device(HilCommand& c, const hal::DeviceChoice& choice, const hal::Dev
   const bool allowed = may_switch_motors_on(c, choice.device_class->real);
   if (choice.device_class->real && !allowed)
     return complain("tactus hil: nothing was opened; agree, or give --yes", kExitMachineCannot);
-  auto opened = choice.device_class->open({choice.address, profile, period_ns, {}, {}});
+  auto opened = choice.device_class->open(
+      {.address = choice.address, .profile = profile, .period_ns = period_ns, .hand = {}, .faults = {}});
   if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
   if (const Status status = opened.value().device->start(); !status.ok())
     return complain("tactus hil: " + status.message(), kExitMachineCannot);
-  hil::DeviceUnderTest under_test{*opened.value().device, opened.value().identity, c.options,
-                                  opened.value().not_checked, opened.value().trouble};
+  hil::DeviceUnderTest under_test{.device = *opened.value().device,
+                                  .identity = opened.value().identity,
+                                  .options = c.options,
+                                  .not_checked = opened.value().not_checked,
+                                  .trouble = opened.value().trouble};
   const hil::SuiteRequest request{c.only, allowed};
   hil::SuiteReport report = run_device_suite(under_test, request, make_hooks(c));
   report.device = c.device;
@@ -182,11 +187,12 @@ int run_calibration(HilCommand& c, const hal::DeviceChoice& choice, const hal::D
   if (device_class.real && !c.yes && isatty(STDIN_FILENO) == 0)
     return complain("tactus hil: --calibrate asks a person, and stdin is no terminal; give --yes for a script",
                     kExitMachineCannot);
-  auto opened = device_class.open({choice.address, profile, period_ns, {}, {}});
+  auto opened = device_class.open(
+      {.address = choice.address, .profile = profile, .period_ns = period_ns, .hand = {}, .faults = {}});
   if (!opened.ok()) return complain("tactus hil: " + opened.message(), kExitMachineCannot);
   c.options.stepped = !device_class.real;  // a simulated device needs no clock: the calls step it
   hil::DeviceUnderTest under_test{*opened.value().device, opened.value().identity, c.options};
-  return calibrate_gain({choice, under_test, c.out, c.json});
+  return calibrate_gain({.choice = choice, .under_test = under_test, .out = c.out, .json = c.json});
 }
 
 int run_hil(HilCommand& c) {

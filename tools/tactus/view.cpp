@@ -75,8 +75,10 @@ int run_view(const ViewCommand& command, const std::vector<std::string>& rest) {
   int exit_code = kExitGood;
   auto source = open_source(command, files.value(), exit_code);
   if (!source.ok()) return fail(source.message(), exit_code);
-  view::ViewSettings settings{static_cast<std::uint16_t>(command.port), command.allow_force, std::move(files).value(),
-                              view::make_token()};
+  view::ViewSettings settings{.port = static_cast<std::uint16_t>(command.port),
+                              .allow_force = command.allow_force,
+                              .files = std::move(files).value(),
+                              .token = view::make_token()};
   if (settings.token.empty()) return fail("the system has no random numbers", kExitMachineCannot);
   const std::string hand = source.value()->hand();
   auto server = view::ViewServer::open(std::move(settings), std::move(source).value());

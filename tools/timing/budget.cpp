@@ -116,8 +116,11 @@ Result<Budget> read_budget(const std::string& text, const std::string& name) {
   // A valid seal means that this program wrote the text, so every key exists.
   Budget budget;
   const ordered_json& machine = j["machine"];
-  budget.machine = {machine["cpu_model"], machine["kernel"], machine["boot_line"], machine["governor"],
-                    machine["cores"]};
+  budget.machine = {.cpu_model = machine["cpu_model"],
+                    .kernel = machine["kernel"],
+                    .boot_line = machine["boot_line"],
+                    .governor = machine["governor"],
+                    .cores = machine["cores"]};
   const ordered_json& settings = j["settings"];
   budget.rate_Hz = settings["rate_Hz"];
   budget.members = settings["members"];

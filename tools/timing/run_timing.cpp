@@ -281,9 +281,12 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
   result.rows.insert(result.rows.end(), simulated.begin(), simulated.end());
   // The governor reduces the members if the core is too slow; then the requested capacity was not measured.
   if (options.run.scene.empty())
-    result.rows.push_back({"members short of capacity", "",
-                           static_cast<double>(options.members) - static_cast<double>(result.statistics.members_max), 0,
-                           false});
+    result.rows.push_back(
+        {.figure = "members short of capacity",
+         .unit = "",
+         .measured = static_cast<double>(options.members) - static_cast<double>(result.statistics.members_max),
+         .limit = 0,
+         .ours = false});
   return result;
 }
 

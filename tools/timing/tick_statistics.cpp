@@ -90,7 +90,7 @@ void TickStatistics::note_spike(const loop::TickTimes& t) {
   for (Spike& spike : spikes)
     if (t.tick > spike.times.tick && t.tick <= spike.times.tick + kAround) spike.around.push_back(t);
   if (spikes.size() == kWorst && lateness_ns(t) <= lateness_ns(spikes.back().times)) return;
-  Spike spike{t, {}, false, {}};
+  Spike spike{.times = t, .attribution = {}, .judged = false, .around = {}};
   const std::size_t before = std::min(recent.size(), kAround);
   spike.around.assign(recent.end() - static_cast<std::ptrdiff_t>(before), recent.end());
   spike.around.push_back(t);

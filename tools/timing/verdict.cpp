@@ -13,6 +13,7 @@ std::vector<VerdictRow> judge(const TickStatistics& b) {
   const auto own = b.overruns_by_cause[static_cast<std::size_t>(Cause::kOwnWork)];
   const double ticks = b.ticks > 0 ? static_cast<double>(b.ticks) : 1;
   const Histogram& wake = b.stages[static_cast<std::size_t>(Stage::kWake)];
+  // Figure, unit, measured, limit, ours.
   return {
       {"ticks lost to own work", "", static_cast<double>(own), 0, true},
       {"page faults", "", static_cast<double>(b.minor_faults + b.major_faults), 0, true},
@@ -32,8 +33,12 @@ std::vector<VerdictRow> rows_of(const std::vector<session::RunRuling>& rulings) 
   std::vector<VerdictRow> rows;
   for (const session::RunRuling& r : rulings) {
     const bool bad = r.level() == session::Level::kBad;
-    rows.push_back({r.figure, r.unit, r.measured, std::min(r.degraded_above, r.bad_above), bad,
-                    r.level() == session::Level::kGood ? "" : r.found});
+    rows.push_back({.figure = r.figure,
+                    .unit = r.unit,
+                    .measured = r.measured,
+                    .limit = std::min(r.degraded_above, r.bad_above),
+                    .ours = bad,
+                    .found = r.level() == session::Level::kGood ? "" : r.found});
   }
   return rows;
 }

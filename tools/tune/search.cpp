@@ -18,7 +18,7 @@ template <class What, class T>
 void add(std::vector<SettingStep>& notches, const char* factor, const Setting& from, What what, T to) {
   const T now = std::invoke(what, from);
   if (now == to) return;
-  SettingStep notch{factor, fmt::format("{}", now), fmt::format("{}", to), from};
+  SettingStep notch{.factor = factor, .from = fmt::format("{}", now), .to = fmt::format("{}", to), .setting = from};
   std::invoke(what, notch.setting) = to;
   notches.push_back(notch);
 }

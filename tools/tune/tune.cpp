@@ -124,9 +124,11 @@ class Bench {
   Trial measure_anew(const Setting& setting) {
     experiment::SettingSums sums;
     experiment::measure_setting(request_.scene, profile_, setting, reference_, ratios_, sums);
-    known_.push_back({setting, sums.error.relative(), experiment::median(sums.ticks_us),
-                      experiment::quantile(sums.ticks_us, 0.99),
-                      experiment::quantile(sums.global_us, 0.9) / setting.scheme.ratio});
+    known_.push_back({.setting = setting,
+                      .force_error = sums.error.relative(),
+                      .tick_us_p50 = experiment::median(sums.ticks_us),
+                      .tick_us_p99 = experiment::quantile(sums.ticks_us, 0.99),
+                      .global_us_per_tick = experiment::quantile(sums.global_us, 0.9) / setting.scheme.ratio});
     return known_.back();
   }
 

@@ -92,8 +92,10 @@ Outcome squeeze(const Setting& setting) {
   const haptics::DeviceProperties device;
   sim::GlobalOptions global_options = session::global_options(scene, options, device);
   const BodyId other = body_at(scene, {kStart_m, 0, 0}), cube = body_at(scene, {0, 0, 0});
-  global_options.more_devices = {{other, global_options.gains, global_options.reach.max_speed_m_per_s,
-                                  global_options.reach.max_angular_speed_rad_per_s}};
+  global_options.more_devices = {{.proxy = other,
+                                  .gains = global_options.gains,
+                                  .max_speed_m_per_s = global_options.reach.max_speed_m_per_s,
+                                  .max_angular_speed_rad_per_s = global_options.reach.max_angular_speed_rad_per_s}};
   const Status status = sim::check_global_options(scene, global_options);
   TACTUS_CHECK(status.ok(), 0, 0);
   sim::GlobalWorld world(scene, global_options);
@@ -161,6 +163,8 @@ Outcome squeeze(const Setting& setting) {
 
 }  // namespace
 
-std::vector<HardCase> device_cases() { return {{44, "two devices squeeze one body", false, squeeze}}; }
+std::vector<HardCase> device_cases() {
+  return {{.number = 44, .name = "two devices squeeze one body", .global_step = false, .run = squeeze}};
+}
 
 }  // namespace tactus::hard_cases

@@ -141,7 +141,8 @@ Outcome hand_over(const Setting& setting) {
 }  // namespace
 
 std::vector<HardCase> hands_cases() {
-  return {{110, "tug of war", false, tug_of_war}, {111, "part from hand to hand", false, hand_over}};
+  return {{.number = 110, .name = "tug of war", .global_step = false, .run = tug_of_war},
+          {.number = 111, .name = "part from hand to hand", .global_step = false, .run = hand_over}};
 }
 
 }  // namespace tactus::hard_cases

@@ -92,7 +92,8 @@ Outcome domino_chain(const Setting& setting) {
   sim::DominoRowSpec spec;
   spec.count = 50;
   spec.friction = 0.5;
-  CaseWorld world(setting, 1000, {64, 4, 1024, 512, 0});
+  CaseWorld world(setting, 1000,
+                  {.bodies = 64, .fixed_bodies = 4, .pairs = 1024, .contacts = 512, .border_contacts = 0});
   world.add_ground(kGround, 0.5);
   sim::Bodies dominoes = sim::make_domino_row(spec);
   for (std::size_t k = 0; k < dominoes.size(); ++k) {

@@ -13,7 +13,8 @@ experiment::BoxScene scene_of(const StackSpec& spec, double step_s) {
   scene.step_s = step_s;
   scene.friction = spec.friction;
   for (std::size_t k = 0; k < spec.masses_kg.size(); ++k)
-    scene.cubes.push_back({spec.edge_m, spec.masses_kg[k], spec.start_of(k), {}});
+    scene.cubes.push_back(
+        {.edge_m = spec.edge_m, .mass_kg = spec.masses_kg[k], .position = spec.start_of(k), .rotation = {}});
   scene.walls.push_back({{2, 2, 0.5}, {0, 0, -0.5}});
   return scene;
 }
@@ -25,7 +26,7 @@ PeerRow run_peer(const StackSpec& spec, const experiment::EngineKind& kind, doub
   for (auto steps = static_cast<long>(spec.seconds / step_s + 0.5); steps > 0; --steps) engine->step();
   std::vector<Vec3d> centres;
   for (const auto& cube : engine->cubes()) centres.push_back(cube.position);
-  return {spec.name, std::string(kind.name), step_s, judge(spec, centres)};
+  return {.stack = spec.name, .engine = std::string(kind.name), .step_s = step_s, .state = judge(spec, centres)};
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ Outcome long_thin_box(const Setting& setting) {
 
 // A plate on 500 pins of four points each.
 Outcome redundant_contacts(const Setting& setting) {
-  const physics::Capacities capacities{4, 512, 1024, 512, 0};
+  const physics::Capacities capacities{
+      .bodies = 4, .fixed_bodies = 512, .pairs = 1024, .contacts = 512, .border_contacts = 0};
   CaseWorld world(setting, 1000, capacities);
   const double pitch = 0.02, pin = 0.005, mass = 10;
   for (BodyId k = 0; k < 500; ++k)

@@ -8,12 +8,19 @@
 namespace tactus::hard_cases {
 
 StackSpec equal_stack(unsigned count) {
-  return {fmt::format("{} cubes of 1 kg", count), std::vector<double>(count, 1.0), 0.1, 0.5, 20};
+  return {.name = fmt::format("{} cubes of 1 kg", count),
+          .masses_kg = std::vector<double>(count, 1.0),
+          .edge_m = 0.1,
+          .friction = 0.5,
+          .seconds = 20};
 }
 
 StackSpec heavy_on(double top_kg, unsigned count, double each_kg) {
-  StackSpec spec{fmt::format("{:g} kg on {} cubes of {:g} kg", top_kg, count, each_kg),
-                 std::vector<double>(count, each_kg), 0.1, 0.5, 10};
+  StackSpec spec{.name = fmt::format("{:g} kg on {} cubes of {:g} kg", top_kg, count, each_kg),
+                 .masses_kg = std::vector<double>(count, each_kg),
+                 .edge_m = 0.1,
+                 .friction = 0.5,
+                 .seconds = 10};
   spec.masses_kg.push_back(top_kg);
   return spec;
 }

@@ -37,10 +37,12 @@ Provenance provenance(const std::string& command) {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
   gmtime_r(&now, &utc);
-  return {fmt::format("{:%Y-%m-%d %H:%M} UTC", utc), version(), std::string(loop::tape_isa_tag()),
-          fmt::format("{}, {} cores, {} {}{}", cpu_model(), sysconf(_SC_NPROCESSORS_ONLN), kernel.sysname,
-                      kernel.release, loop::kernel_is_preempt_rt() ? ", PREEMPT_RT" : ""),
-          command};
+  return {.date_utc = fmt::format("{:%Y-%m-%d %H:%M} UTC", utc),
+          .version = version(),
+          .built_for = std::string(loop::tape_isa_tag()),
+          .machine = fmt::format("{}, {} cores, {} {}{}", cpu_model(), sysconf(_SC_NPROCESSORS_ONLN), kernel.sysname,
+                                 kernel.release, loop::kernel_is_preempt_rt() ? ", PREEMPT_RT" : ""),
+          .command = command};
 }
 
 nlohmann::ordered_json to_json(const Provenance& of) {

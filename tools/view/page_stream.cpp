@@ -26,6 +26,7 @@ bool far_apart(const publication::Rotation& a, const publication::Rotation& b) n
          std::abs(a.z - b.z) > kTurned;
 }
 
+// In the order of kChannels.
 std::array<float, kChannels.size()> channels_of(const publication::TickEntry& entry) noexcept {
   const loop::TickOutput& out = entry.tick.out;
   const auto real = [](double number) noexcept { return static_cast<float>(number); };

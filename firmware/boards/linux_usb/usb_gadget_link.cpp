@@ -226,9 +226,14 @@ void UsbGadgetLink::reply_service(const ServiceMessage& message) noexcept {
 
 GadgetCounters UsbGadgetLink::counters() const noexcept {
   const auto read_counter = [](const Counter& counter) { return counter.load(std::memory_order_relaxed); };
-  return {read_counter(commands_received_), read_counter(commands_superseded_), read_counter(states_sent_),
-          read_counter(states_superseded_), read_counter(transfer_errors_),     read_counter(service_requests_),
-          read_counter(service_refused_),   read_counter(disconnects_)};
+  return {.commands_received = read_counter(commands_received_),
+          .commands_superseded = read_counter(commands_superseded_),
+          .states_sent = read_counter(states_sent_),
+          .states_superseded = read_counter(states_superseded_),
+          .transfer_errors = read_counter(transfer_errors_),
+          .service_requests = read_counter(service_requests_),
+          .service_refused = read_counter(service_refused_),
+          .disconnects = read_counter(disconnects_)};
 }
 
 }  // namespace tactus::firmware

@@ -12,8 +12,12 @@ void PlaneCoupling::adopt(std::span<const physics::BorderContact> contacts) noex
     // With the proxy at x the anchor is x + arm. When the contact point, which is `member_round` below it, was at
     // line_point, its distance to the surface was `gap`.
     const double height = dot(contact.normal, contact.line_point) + contact.member_round - contact.gap;
-    if (!now_.planes.try_push({contact.normal, contact.member_anchor, height, contact.friction, contact.impulse_rate,
-                               contact.outside_velocity}))
+    if (!now_.planes.try_push({.normal = contact.normal,
+                               .anchor = contact.member_anchor,
+                               .height = height,
+                               .friction = contact.friction,
+                               .press_N = contact.impulse_rate,
+                               .surface_velocity = contact.outside_velocity}))
       return;
   }
 }
@@ -51,8 +55,11 @@ HeldProxy PlaneCoupling::keep(PlaneSet& set, const DeviceTarget& target, const T
   for (const ContactPlane& contact : set.planes) {
     if (tick.planes_hold && contact.press_N <= 0) continue;
     const Vec3d arm = rotate(target.pose.rotation, contact.anchor);
-    (void)planes.try_push({contact.normal, contact.height - dot(contact.normal, arm), contact.friction,
-                           set.held + surface_moves_s * contact.surface_velocity, contact.surface_velocity});
+    (void)planes.try_push({.normal = contact.normal,
+                           .offset = contact.height - dot(contact.normal, arm),
+                           .friction = contact.friction,
+                           .hold = set.held + surface_moves_s * contact.surface_velocity,
+                           .surface_velocity = contact.surface_velocity});
   }
   const Vec3d wanted = target.pose.position + tick.lead_s * target.velocity.linear;
   const HeldProxy held = tick.planes_hold ? keep_on(planes.span(), wanted, target.velocity.linear)

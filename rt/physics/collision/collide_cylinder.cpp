@@ -147,8 +147,13 @@ void collide_turned(const PairView& pair, const HullView* hull_a, const Vec3d& t
                     AxisCache& cache) noexcept {
   const double error =
       RoundHull::inscribed_error(pair.b) + (is_round_hull(pair.a) ? RoundHull::inscribed_error(pair.a) : 0.0);
-  const PairView wider{pair.a,   pair.b, pair.world_from_a, pair.world_from_b, pair.b_from_a, pair.margin + error,
-                       pair.last};
+  const PairView wider{.a = pair.a,
+                       .b = pair.b,
+                       .world_from_a = pair.world_from_a,
+                       .world_from_b = pair.world_from_b,
+                       .b_from_a = pair.b_from_a,
+                       .margin = pair.margin + error,
+                       .last = pair.last};
   const RoundPair round{wider, hull_a, cache};
   manifold = round.collide(to_b);
   manifold.gap -= error;
@@ -170,9 +175,11 @@ void collide_turned(const PairView& pair, const HullView* hull_a, const Vec3d& t
 }  // namespace
 
 void collide_with_cylinder(const PairView& pair, Manifold& manifold, AxisCache& cache, Hulls hulls) noexcept {
-  const Core b{pair.b, nullptr, pair.world_from_b, pair.b_from_a};
+  const Core b{.shape = pair.b, .hull = nullptr, .rotation = pair.world_from_b, .centre = pair.b_from_a};
   const auto collide_core = [&](const HullView* hull_a) noexcept {
-    collide_turned(pair, hull_a, direction_between({pair.a, hull_a, pair.world_from_a, {}}, b), manifold, cache);
+    collide_turned(pair, hull_a,
+                   direction_between({.shape = pair.a, .hull = hull_a, .rotation = pair.world_from_a, .centre = {}}, b),
+                   manifold, cache);
   };
   switch (pair.a.kind) {
     case ShapeKind::kSphere:

@@ -59,7 +59,20 @@ struct TriangleHull {
     for (double& secant : edge_secant) secant = std::numeric_limits<double>::infinity();
   }
   HullView view() const noexcept {
-    return {&kTriangleTopology, x, y, z, nx, ny, nz, offsets, kPadded, kPadded, edge_secant, edge_secant[0], 0.0, 0.0};
+    return {.topology = &kTriangleTopology,
+            .x = x,
+            .y = y,
+            .z = z,
+            .nx = nx,
+            .ny = ny,
+            .nz = nz,
+            .offsets = offsets,
+            .padded = kPadded,
+            .padded_faces = kPadded,
+            .edge_secant = edge_secant,
+            .largest_secant = edge_secant[0],
+            .inner_radius = 0.0,
+            .flatness = 0.0};
   }
 };
 
@@ -167,12 +180,12 @@ class HullOnPatch {
     for (std::uint32_t k = topology.loop_start[incident]; k < topology.loop_start[incident + 1]; ++k) {
       const std::uint32_t vertex = topology.loop_vertices[k];
       const Vec3d p = patch_.centre + to_mesh(hull_.vertex(vertex));
-      incident_.points[incident_.count++] = {dot(along_.t1, p),
-                                             dot(along_.t2, p),
-                                             dot(plane_.normal, p) - plane_.offset,
-                                             vertex,
-                                             topology.loop_edges[k],
-                                             false};
+      incident_.points[incident_.count++] = {.u = dot(along_.t1, p),
+                                             .v = dot(along_.t2, p),
+                                             .w = dot(plane_.normal, p) - plane_.offset,
+                                             .id = vertex,
+                                             .line = topology.loop_edges[k],
+                                             .kept = false};
     }
   }
 
@@ -260,7 +273,10 @@ class HullOnPatch {
   RimAxes hull_axes(const RimTriangle& at, const Vec3d& normal) const noexcept {
     const double margin = patch_.pair.margin;
     const TriangleHull shape(at, normal);
-    const RelativeHulls ab{shape.view(), hull_, {column_[0], column_[1], column_[2]}, patch_.centre - at.middle};
+    const RelativeHulls ab{.ref = shape.view(),
+                           .other = hull_,
+                           .column = {column_[0], column_[1], column_[2]},
+                           .centre = patch_.centre - at.middle};
     RimAxes axes;
     FaceSearch of_hull, of_triangle;
     hold_face(ab, 0, margin, of_triangle);
@@ -323,8 +339,12 @@ class HullOnPatch {
     HullPolygon polygon;
     for (std::uint32_t i = 0; i < 3; ++i) {
       const Vec3d& p = at.in_hull[i];
-      polygon.points[polygon.count++] = {
-          dot(along.t1, p), dot(along.t2, p), dot(n, p) - hull_.offsets[face], i, i, false};
+      polygon.points[polygon.count++] = {.u = dot(along.t1, p),
+                                         .v = dot(along.t2, p),
+                                         .w = dot(n, p) - hull_.offsets[face],
+                                         .id = i,
+                                         .line = i,
+                                         .kept = false};
     }
     const std::uint32_t start = sides.loop_start[face], end = sides.loop_start[face + 1];
     for (std::uint32_t k = start; k < end && polygon.count > 0; ++k) {

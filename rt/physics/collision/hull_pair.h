@@ -21,12 +21,12 @@ struct RelativeHulls {
 
   // The same pair with the other hull as `ref`.
   RelativeHulls reversed() const noexcept {
-    return {other,
-            ref,
-            {{column[0].x, column[1].x, column[2].x},
-             {column[0].y, column[1].y, column[2].y},
-             {column[0].z, column[1].z, column[2].z}},
-            -to_other(centre)};
+    return {.ref = other,
+            .other = ref,
+            .column = {{column[0].x, column[1].x, column[2].x},
+                       {column[0].y, column[1].y, column[2].y},
+                       {column[0].z, column[1].z, column[2].z}},
+            .centre = -to_other(centre)};
   }
 
   double face_separation(std::uint32_t face) const noexcept {
@@ -41,7 +41,10 @@ struct RelativeHulls {
 
 inline RelativeHulls relative_hulls(const PairView& pair, const HullView& a, const HullView& b) noexcept {
   const Axes axes = axes_of(conjugate(pair.world_from_a) * pair.world_from_b);
-  return {a, b, {axes.x, axes.y, axes.z}, rotate_inverse(pair.world_from_a, pair.b_from_a)};
+  return {.ref = a,
+          .other = b,
+          .column = {axes.x, axes.y, axes.z},
+          .centre = rotate_inverse(pair.world_from_a, pair.b_from_a)};
 }
 
 // The search of faces, for one of the hulls; the search of edges goes on with it.

@@ -102,7 +102,7 @@ void ContactTable::clear_pairs() noexcept {
 // highest key. Pairs with fixed bodies are dropped last, so that no body falls through the ground because other bodies
 // are crowded.
 void ContactTable::add_pair(PairKey key, std::uint32_t a, std::uint32_t b, const PatchTriangles& patch) noexcept {
-  const Pair pair{key, a, b, patch};
+  const Pair pair{.key = key, .a = a, .b = b, .patch = patch};
   if (pairs_.try_push(pair)) return;
   ++pairs_dropped_;
   if (pairs_.empty()) return;

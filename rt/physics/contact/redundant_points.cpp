@@ -101,7 +101,8 @@ bool follows_from_edge(const Place& p, const Place& a, const Place& b, double sl
   const double length_squared = distance_squared(a, b);
   const double along = (p.x - a.x) * (b.x - a.x) + (p.y - a.y) * (b.y - a.y);
   const double t = length_squared > 0.0 ? std::clamp(along / length_squared, 0.0, 1.0) : 0.0;
-  const Place on_edge{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), 0.0, 0.0, nullptr};
+  const Place on_edge{
+      .x = a.x + t * (b.x - a.x), .y = a.y + t * (b.y - a.y), .height = 0.0, .gap = 0.0, .point = nullptr};
   return distance_squared(p, on_edge) <= slop * slop && follows(p, {a, b, b}, {1.0 - t, t, 0.0}, slop);
 }
 
@@ -134,7 +135,11 @@ class Planes {
       for (std::uint32_t i = 0; i < contact.count; ++i) {
         ContactPoint& p = contact.points[i];
         if (!p.redundant || p.normal_impulse != 0.0)
-          f(Place{dot(tangents.t1, p.from_a), dot(tangents.t2, p.from_a), dot(n, p.from_a), p.separation, &p});
+          f(Place{.x = dot(tangents.t1, p.from_a),
+                  .y = dot(tangents.t2, p.from_a),
+                  .height = dot(n, p.from_a),
+                  .gap = p.separation,
+                  .point = &p});
       }
     }
   }

@@ -195,7 +195,9 @@ void EmulatedDevice::await_restart() {
 ServiceMessage EmulatedDevice::ask(Operation operation, std::uint16_t address, std::uint32_t value) {
   replied_ = false;
   std::array<std::byte, kServiceFrameSize> frame{};
-  encode_service({operation, ServiceStatus::kGood, ++tag_, address, value}, ServiceDirection::kRequest, frame);
+  encode_service(
+      {.operation = operation, .status = ServiceStatus::kGood, .tag = ++tag_, .address = address, .value = value},
+      ServiceDirection::kRequest, frame);
   send_frame(frame);
   for (int i = 0; i < kManyFrames; ++i) {
     (void)next_state();

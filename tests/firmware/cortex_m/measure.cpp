@@ -75,7 +75,9 @@ struct Rig {
   }
   void request(Operation operation, std::uint16_t address, std::uint32_t value) noexcept {
     std::array<std::byte, kServiceFrameSize> frame;
-    encode_service({operation, ServiceStatus::kGood, 1, address, value}, ServiceDirection::kRequest, frame);
+    encode_service(
+        {.operation = operation, .status = ServiceStatus::kGood, .tag = 1, .address = address, .value = value},
+        ServiceDirection::kRequest, frame);
     stuff_and_receive(frame);
   }
   void drain() noexcept {
@@ -195,9 +197,11 @@ void control_periods(Rig& rig) noexcept {
 // The parts around the controller that are off by default: the arm's weight with every term, thermal model, filter.
 void switch_everything_on(Rig& rig) noexcept {
   const auto write = [&](unsigned address, float value) {
-    const ServiceMessage reply =
-        rig.device.serve({Operation::kWrite, ServiceStatus::kGood, 0, static_cast<std::uint16_t>(address),
-                          std::bit_cast<std::uint32_t>(value)});
+    const ServiceMessage reply = rig.device.serve({.operation = Operation::kWrite,
+                                                   .status = ServiceStatus::kGood,
+                                                   .tag = 0,
+                                                   .address = static_cast<std::uint16_t>(address),
+                                                   .value = std::bit_cast<std::uint32_t>(value)});
     if (reply.status != ServiceStatus::kGood) exit_emulator(2);
   };
   rig.command(State::kIdle, {});

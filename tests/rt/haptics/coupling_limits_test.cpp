@@ -59,7 +59,12 @@ TEST_CASE("the allowed stiffness is stable on a device that is not as described,
   const DeviceProperties device;
   const CouplingGains gains;
   const AxisVerdict allowed = check_coupling(gains, device, 1e-3).translation;
-  const AxisLimits described{1e-3, 1e-3, device.mass_kg, device.damping_Ns_per_m, 0, 0};
+  const AxisLimits described{.period_s = 1e-3,
+                             .delay_s = 1e-3,
+                             .mass = device.mass_kg,
+                             .damping = device.damping_Ns_per_m,
+                             .coulomb_friction = 0,
+                             .quantum = 0};
   AxisLimits light = described, heavy = described, undamped = described;
   light.mass *= 0.6;
   heavy.mass *= 1.4;
@@ -78,7 +83,13 @@ TEST_CASE("the uncoupled limit separates the stable from the unstable in a simul
   const double own_damping = GENERATE(0.0, 0.5);
   const int delay_ticks = GENERATE(0, 1, 3);
   const double lead_ticks = GENERATE(0.0, 0.5, 0.625, 0.75);
-  const AxisLimits axis{period, delay_ticks * period, 0.3, own_damping, 0, 0, lead_ticks * period};
+  const AxisLimits axis{.period_s = period,
+                        .delay_s = delay_ticks * period,
+                        .mass = 0.3,
+                        .damping = own_damping,
+                        .coulomb_friction = 0,
+                        .quantum = 0,
+                        .lead_s = lead_ticks * period};
   const double limit = uncoupled_stiffness_limit(axis, damping);
   CAPTURE(damping, period, delay_ticks, lead_ticks, limit);
   CHECK(is_stable(axis, 0.98 * limit, damping, delay_ticks));

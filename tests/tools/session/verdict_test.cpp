@@ -178,7 +178,16 @@ TEST_CASE("bad is named before degraded, and a figure that is no number is bad")
   CHECK_THAT(verdict.line(), StartsWith("BAD: two bodies"));
   CHECK(verdict.text().find("bad ") < verdict.text().find("degraded "));
   s.global.energy.unexplained_J = std::numeric_limits<double>::quiet_NaN();
-  CHECK(RunRuling{"x", "x", "", std::numeric_limits<double>::quiet_NaN(), 1, 2, "", "", false}.level() == Level::kBad);
+  CHECK(RunRuling{.rule = "x",
+                  .figure = "x",
+                  .unit = "",
+                  .measured = std::numeric_limits<double>::quiet_NaN(),
+                  .degraded_above = 1,
+                  .bad_above = 2,
+                  .found = "",
+                  .remedy = "",
+                  .machine = false}
+            .level() == Level::kBad);
 }
 
 namespace {

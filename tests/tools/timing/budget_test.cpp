@@ -13,10 +13,20 @@ using namespace tactus::timing;
 
 namespace {
 
-const Machine kHere{"Some CPU", "6.1.0-rt #1", "quiet isolcpus=3", "performance", 4};
+const Machine kHere{.cpu_model = "Some CPU",
+                    .kernel = "6.1.0-rt #1",
+                    .boot_line = "quiet isolcpus=3",
+                    .governor = "performance",
+                    .cores = 4};
 
 std::string signed_off(TimingVerdict wanted = TimingVerdict::kGood) {
-  TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
+  TimingResult r{.options = {},
+                 .summary = {},
+                 .statistics = TickStatistics({kPeriod_ns, 0, 10}),
+                 .rows = {},
+                 .cyclictest_wake = {},
+                 .records_lost = 0,
+                 .scene_text = ""};
   for (std::uint64_t i = 0; i < 1000; ++i) r.statistics.add_loop(usual_tick(i));
   if (wanted == TimingVerdict::kMachine) r.statistics.add_loop(woken_late(1000, 800'000));
   if (wanted == TimingVerdict::kBad) {

@@ -72,9 +72,12 @@ TEST_CASE("a tick that was interrupted has the cause that the kernel counted") {
   }
   SECTION("what the kernel measured decides, and is named, longest first") {
     auto change = quiet();
-    const Noise timer{Noise::Kind::kInterrupt, "local_timer", 236, 0, 8'000};
-    const Noise worker{Noise::Kind::kThread, "kworker/3:1", 77, 0, 1'400'000};
-    const Noise card{Noise::Kind::kInterrupt, "eth0", 24, 0, 1'450'000};
+    const Noise timer{
+        .kind = Noise::Kind::kInterrupt, .name = "local_timer", .number = 236, .from_ns = 0, .duration_ns = 8'000};
+    const Noise worker{
+        .kind = Noise::Kind::kThread, .name = "kworker/3:1", .number = 77, .from_ns = 0, .duration_ns = 1'400'000};
+    const Noise card{
+        .kind = Noise::Kind::kInterrupt, .name = "eth0", .number = 24, .from_ns = 0, .duration_ns = 1'450'000};
     change.noise = {timer, worker};
     const auto switched = attribute(t, kPeriod_ns, kUsual, change);
     CHECK(switched.cause == Cause::kContextSwitch);

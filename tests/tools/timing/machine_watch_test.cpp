@@ -54,7 +54,11 @@ TEST_CASE("what happened around a time is the change from the last look before i
 TEST_CASE("what the kernel measured is cut to the time that is asked about") {
   MachineHistory history;
   const auto noise = [](std::int64_t from, std::int64_t duration) {
-    return Noise{Noise::Kind::kInterrupt, "local_timer", 236, from, duration};
+    return Noise{.kind = Noise::Kind::kInterrupt,
+                 .name = "local_timer",
+                 .number = 236,
+                 .from_ns = from,
+                 .duration_ns = duration};
   };
   history.add({0, {}, {}, {}, std::vector<Noise>{noise(-5, 3)}});
   history.add(

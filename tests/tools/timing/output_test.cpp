@@ -18,7 +18,13 @@ using namespace tactus::timing;
 namespace {
 
 TimingResult made_result() {
-  TimingResult r{{}, {}, TickStatistics({kPeriod_ns, 0, 10}), {}, {}, 0, ""};
+  TimingResult r{.options = {},
+                 .summary = {},
+                 .statistics = TickStatistics({kPeriod_ns, 0, 10}),
+                 .rows = {},
+                 .cyclictest_wake = {},
+                 .records_lost = 0,
+                 .scene_text = ""};
   for (std::uint64_t i = 0; i < 400; ++i) r.statistics.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));
   for (std::uint64_t i = 0; i < 100; ++i) r.statistics.add_bare(usual_tick(i));
   r.statistics.finish();
@@ -41,7 +47,11 @@ TEST_CASE("the bars have each time once, in the row that ends at or above it, an
 
 TEST_CASE("the plot is an SVG with a curve for each histogram that has times") {
   const TimingResult r = made_result();
-  const Provenance made{"2026-01-31 23:59 UTC", "1.2 (commit abc)", "x86-64-v3", "a CPU & <kernel>", "tactus timing"};
+  const Provenance made{.date_utc = "2026-01-31 23:59 UTC",
+                        .version = "1.2 (commit abc)",
+                        .built_for = "x86-64-v3",
+                        .machine = "a CPU & <kernel>",
+                        .command = "tactus timing"};
   const std::string svg = to_svg(r, made);
   std::size_t curves = 0;
   for (std::size_t at = 0; (at = svg.find("<polyline", at)) != std::string::npos; ++at) ++curves;

@@ -54,7 +54,9 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
   const auto add = [&](const char* factor, auto from, auto to, auto&& set) {
     Setting changed = base;
     set(changed);
-    if (!(changed == base)) changes.push_back({factor, fmt::format("{}", from), fmt::format("{}", to), changed});
+    if (!(changed == base))
+      changes.push_back(
+          {.factor = factor, .from = fmt::format("{}", from), .to = fmt::format("{}", to), .setting = changed});
   };
   for (const unsigned n : {2u, 4u, 8u, 16u})
     if (n >= least_sub_steps(base.contact_Hz))

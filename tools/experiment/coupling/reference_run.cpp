@@ -27,7 +27,7 @@ ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size
                               std::span<const WindowPlace> places, std::span<const unsigned> ratios) {
   ReferenceRun run;
   for (const WindowPlace& place : places) {
-    run.windows.push_back({place.start, place.hold, {}, {}});
+    run.windows.push_back({.start = place.start, .hold = place.hold, .now = {}, .before = {}});
     run.windows.back().before.resize(ratios.size());
   }
   worlds.start_at_rest();

@@ -61,7 +61,8 @@ TEST_CASE("friction holds a point at 0.99 of its coefficient, and lets it slide 
   const double mu = GENERATE(0.1, 0.6, 1.5);
   const auto keep = GENERATE(keep_above, keep_on);
   const Vec3d hold{0.3, -0.2, 7};  // what is along the normal does not matter
-  const ProxyPlane ground{{0, 0, 1}, 0.1, mu, hold, {0.01, 0, 0}};
+  const ProxyPlane ground{
+      .normal = {0, 0, 1}, .offset = 0.1, .friction = mu, .hold = hold, .surface_velocity = {0.01, 0, 0}};
   const double deep = 2e-3;
   const Vec3d way{0.6, 0.8, 0};
   const auto pulled = [&](double share) {
@@ -89,7 +90,11 @@ TEST_CASE("among planes with friction the pull is one that their cones bear toge
     Vec3d normal = vector() * 0.6;
     normal.z = 1;
     const double mu = 0.5 * (1 + uniform(random));
-    REQUIRE(planes.try_push({normal * (1 / norm(normal)), 0.1 * uniform(random), mu, vector(), {}}));
+    REQUIRE(planes.try_push({.normal = normal * (1 / norm(normal)),
+                             .offset = 0.1 * uniform(random),
+                             .friction = mu,
+                             .hold = vector(),
+                             .surface_velocity = {}}));
     bound = std::max(bound, mu);
   }
   const Vec3d wanted = vector() * 0.2 - Vec3d{0, 0, 0.2};
