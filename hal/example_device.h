@@ -1,8 +1,8 @@
 // A template for a new device: a class that calls the maker's library directly, without frames or links.
 //
 // Copy it, replace PuckLibrary's calls by the maker's, and add the class to the list in
-// tests/hal/device_contract_test.cpp, which tests what hal/README.md requires of a device. Here the library is a
-// simulated puck, held to its centre by springs, with its own units and axes, as is common for such libraries.
+// tests/hal/device_contract_test.cpp, which tests what hal/classes/README.md requires of a device. Here the library is
+// a simulated puck, held to its centre by springs, with its own units and axes, as is common for such libraries.
 // Thread: construction [setup]; read(), write() [rt] by the haptic thread: no wait, no allocation, no lock, no throw.
 // Frame: the device's: x to the right, y away from the person, z up. Units: SI. One read() is one period.
 #pragma once

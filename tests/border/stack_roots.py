@@ -9,6 +9,7 @@ member is the buffer; the ghost follows sim/exchange/apparent_inertia.h. A root 
 Prints a line a ratio and member count: the largest root with the mean velocity taken over one step and over two.
 """
 import argparse
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,7 +23,7 @@ class Soft:
 
     def __init__(self, hertz, h):
         turn = 2 * np.pi * hertz
-        self.turn = turn
+        self.h, self.turn = h, turn
         a1 = 2 * DAMPING_RATIO + h * turn
         a2 = h * turn * a1
         self.bias_rate, self.mass_scale, self.impulse_scale = turn / a1, a2 / (1 + a2), 1 / (1 + a2)
@@ -36,10 +37,20 @@ class Ghost:
         self.admittance, self.position, self.velocity, self.drive = admittance, position, velocity, drive
 
 
-def step(z, v, impulses, sub_steps, h, soft, ghost=None):
-    """Moves a column that stands on the ground, or on a ghost. Row k: cube k, and the contact below it.
+@dataclass
+class Column:
+    """Row k: position and velocity of cube k, and the impulse of the contact below it."""
+
+    z: np.ndarray
+    v: np.ndarray
+    impulses: np.ndarray
+
+
+def step(column, sub_steps, soft, ghost=None):
+    """Moves a column that stands on the ground, or on a ghost.
 
     Returns the impulse of the lowest contact, summed over the sub-steps."""
+    z, v, impulses, h = column.z, column.v, column.impulses, soft.h
     count, lowest = len(z), np.zeros_like(z[0])
 
     def apply(k, impulse):
@@ -96,8 +107,8 @@ def outside_response(count, soft, step_s):
 
 
 def largest_root(cubes, members, ratio, hertz, sub_steps, steps_of_mean):
-    h, step_s, outside = TICK_S / sub_steps, ratio * TICK_S, cubes - members
-    soft = Soft(hertz, h)
+    step_s, outside = ratio * TICK_S, cubes - members
+    soft = Soft(hertz, TICK_S / sub_steps)
     admittance, kept = outside_response(outside, soft, step_s)
     sizes = [cubes] * 3 + [members] * 3 + [1] * 3 + [outside]
 
@@ -106,13 +117,13 @@ def largest_root(cubes, members, ratio, hertz, sub_steps, steps_of_mean):
         z, v, impulses, sub_z, sub_v, sub_impulses, position, velocity, drive, mean_before = parts
         z[outside + 1:], v[outside + 1:] = sub_z[1:], sub_v[1:]  # all but the buffer are imposed
         start = z[:outside].copy()
+        whole, sub_world = Column(z, v, impulses), Column(sub_z, sub_v, sub_impulses)
         below = impulses[outside:outside + 1].copy() * 0
         # The load on the outside: of the contact under the lowest member.
         for _ in range(ratio * sub_steps):
-            step(z, v, impulses, 1, h, soft)
+            step(whole, 1, soft)
             below += impulses[outside]
-        step(sub_z, sub_v, sub_impulses, ratio * sub_steps, h, soft,
-             Ghost(admittance, position[0], velocity[0], drive[0]))
+        step(sub_world, ratio * sub_steps, soft, Ghost(admittance, position[0], velocity[0], drive[0]))
         sub_z[0], sub_v[0] = z[outside], v[outside]
         mean = (z[:outside] - start) / step_s
         used = mean if steps_of_mean == 1 else 0.5 * (mean + mean_before)

@@ -11,7 +11,9 @@ COUPLINGS = [("sub-world", b) for b in ("ghost", "capped", "replay", "filtered",
 LONG = "a_scene_that_has_a_name_of_more_than_sixty_characters_to_be_cut_off"
 
 
-def window_row(scene, coupling, border, ratio, error, loss, gain):
+def window_row(scene, scheme, ratio, error, loss, gain):
+    """`scheme`: coupling and border."""
+    coupling, border = scheme
     return {"scene": scene, "coupling": coupling, "border": border, "ratio": ratio, "members": 10, "stiffness_N_per_m": 1500.0,
             "stiffness_Nm_per_rad": 4.0, "stiffness_lowered": ratio > 8, "loss": loss, "gain": gain, "force_error_rms": error,
             "sync_step_N": 0.3 * error, "hold_vibration_N": 0.01 * error, "stable": error < 0.5,
@@ -41,9 +43,9 @@ def whole_row(scene, ratio, apart=0.0, error=0.05, sub_steps=1):
 
 
 def windows(scenes, couplings, ratios):
-    rows = [window_row(scene, "direct", "-", 1, 0.0, 0.0, 0.0) for scene in scenes]
-    rows += [window_row(scene, coupling, border, ratio, 0.001 * (i + 1) * ratio * (s + 1), 1e-5 * ratio * i, 1e-4 * i)
-             for s, scene in enumerate(scenes) for i, (coupling, border) in enumerate(couplings) for ratio in ratios]
+    rows = [window_row(scene, ("direct", "-"), 1, 0.0, 0.0, 0.0) for scene in scenes]
+    rows += [window_row(scene, scheme, ratio, 0.001 * (i + 1) * ratio * (s + 1), 1e-5 * ratio * i, 1e-4 * i)
+             for s, scene in enumerate(scenes) for i, scheme in enumerate(couplings) for ratio in ratios]
     return {"rows": rows, "scenes": [window_scene(s) for s in scenes], "whole": [], "seeds": 3, "windows_per_seed": 6,
             "window_cycles": 25, "window_least_s": 0.2, "spectrum_line_Hz": 5.0}
 

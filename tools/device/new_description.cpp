@@ -192,7 +192,7 @@ void complete(NewDescription& d) {
 std::string description_text(const NewDescription& d) {
   const bool rotation = has_rotation(d);
   std::string text =
-      "# Written by `tactus device new`. Lines with 'estimate' wait for a measurement: hal/README.md says how.\n";
+      "# Written by `tactus device new`. Lines with 'estimate' need a measurement: see hal/devices/README.md.\n";
   text += fmt::format("name = \"{}\"\n\n[kinematics]\nkind = \"{}\"\n", d.name, d.kind);
   if (has_links(d)) text += fmt::format("upper_arm_m = {:g}\nforearm_m = {:g}\n", d.upper_arm_m, d.forearm_m);
   text += fmt::format("\n[workspace]\nradius_m = {:g}\nmax_speed_m_per_s = 1  # estimate\n", d.radius_m);

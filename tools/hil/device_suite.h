@@ -1,5 +1,5 @@
 // The suite for devices that do not speak firmware/PROTOCOL.md (an arm of drives, a maker's own class): what every
-// device must do, asked through HapticDevice alone (hal/README.md, "What a device must do").
+// device must do, asked through HapticDevice alone (hal/classes/README.md, "What a device must do").
 //
 // Zero force throughout, unless the operator allows pushes. As in a run, the force ends and BRAKE is wanted when
 // samples do not come for ten periods, or the device reports a fault. The device is left in IDLE; one that does not

@@ -1,6 +1,8 @@
 """The page of `energy-loss` and `couplings`: windows, whole runs, and what they say."""
 import html
 import math
+from dataclasses import dataclass
+from typing import Callable
 
 from pages import figure, theme
 from pages.numbers import count, exact, is_number, listed, number, share, times
@@ -16,6 +18,20 @@ TARGETS = [(8, "loss", 0.01, "energy lost"), (8, "gain", 0.001, "energy gained")
 def wild_words(rows):
     wild = unique(r["scene"] for r in rows if not r["stable"])
     return f"not stable on {listed(map(html.escape, wild))}" if wild else "stable on all scenes"
+
+
+@dataclass
+class Quantity:
+    """A figure of each window, as it is plotted."""
+
+    key: str  # of a row
+    label: str  # of the axis, with the unit
+    words: Callable  # writes a value in the axis' unit
+    floor: float  # range of the axis
+    cap: float | None = None
+    factor: float = 1  # from the row's unit to the axis'
+    limits: tuple = ()  # (value, name) of lines in all panels
+    floor_key: str | None = None  # a line that each scene has of its own: a key of the scene
 
 
 class Windows:
@@ -40,30 +56,31 @@ class Windows:
     def at_ratio(self, series=None):
         return [r for r in self.rows if r["ratio"] == self.ratio and series in (None, self.name(r))]
 
-    def figure(self, page, key, label, factor, words, caption, floor, cap=None, limits=(), floor_of=None):
-        """One panel for each scene: `key` by ratio. limits: (value, words) of lines in all panels; `floor_of`: a line that
-        each scene has of its own."""
+    def figure(self, page, quantity, caption):
+        """One panel for each scene: the quantity by ratio."""
+        key, factor, floor_key = quantity.key, quantity.factor, quantity.floor_key
         panels = []
         every = [times(one[key], factor) for r in self.rows for one in (r, *r.get("by_seed", []))]
-        every += [times(about[floor_of], factor) for about in self.scenes.values()] if floor_of else []
-        scale = figure.Scale(every, floor, cap, [at for at, _ in limits], far=math.inf)  # scenes are compared too
+        every += [times(about[floor_key], factor) for about in self.scenes.values()] if floor_key else []
+        at_limits = [at for at, _ in quantity.limits]
+        scale = figure.Scale(every, quantity.floor, quantity.cap, at_limits, far=math.inf)  # scenes are compared too
         for scene, about in self.scenes.items():
-            panel = figure.Panel(scene, "ratio [ticks per global step]", label)
-            for at, name in limits:
+            panel = figure.Panel(scene, "ratio [ticks per global step]", quantity.label)
+            for at, name in quantity.limits:
                 panel.line(at, name)
-            if floor_of and is_number(about[floor_of]):
-                panel.line(scale.place(factor * about[floor_of])[0], "1 um apart", ls=figure.FLOOR_DASHES)
+            if floor_key and is_number(about[floor_key]):
+                panel.line(scale.place(factor * about[floor_key])[0], "1 um apart", ls=figure.FLOOR_DASHES)
             series = {}
             for r in (r for r in self.rows if r["scene"] == scene):
                 seeds = [factor * s[key] for s in r.get("by_seed", []) if is_number(s[key])]
                 value = times(r[key], factor)
                 series.setdefault(self.name(r), {})[r["ratio"]] = (
                     value, min(seeds, default=None), max(seeds, default=None), not r["stable"])
-            figure.stepped(panel, self.ratios, series, scale, words, self.index_of)
+            figure.stepped(panel, self.ratios, series, scale, quantity.words, self.index_of)
             panels.append(panel.drawn(f"{page.title} {key}"))
         legend = figure.series_keys(self.series) + [(figure.key(theme.INK, "x"), "not stable with the hand in the loop")]
-        legend += [(figure.key(ls=figure.LIMIT_DASHES), name) for _, name in limits]
-        if floor_of:
+        legend += [(figure.key(ls=figure.LIMIT_DASHES), name) for _, name in quantity.limits]
+        if floor_key:
             legend.append((figure.key(ls=figure.FLOOR_DASHES), "two direct runs that start 1 µm apart"))
         page.figure(panels, caption + f" Bars: from the least to the most of the hands (seeds: {self.data['seeds']}); where there is "
                     "none, it is within the mark, or there is one hand only. Within a ratio the series stand side by side, in "
@@ -72,22 +89,23 @@ class Windows:
     def figures(self, page):
         percent = lambda v: share(v / 100)
         page.head("Force")
-        self.figure(page, "force_error_rms", "force error [%]", 100, percent,
+        self.figure(page, Quantity("force_error_rms", "force error [%]", percent, 0.01, 1000, factor=100,
+                                   limits=((100 * NOTICED, "7 %: a hand notices"),), floor_key="apart_1um_force_error"),
                     "Force error, RMS(F − F<sub>direct</sub>) / RMS(F<sub>direct</sub>), over all windows. Below the dotted line "
-                    "nothing can be told from chance.", 0.01, 1000,
-                    [(100 * NOTICED, "7 %: a hand notices")], "apart_1um_force_error")
+                    "nothing can be told from chance.")
         page.head("Energy")
         basis = ("Of the kinetic energy of all bodies against the direct coupling, while the hand moves, window by window, each "
                  "weighed by its energy; where the reference is at rest, of its kinetic energy and of what the coupling's "
                  "spring holds.")
-        self.figure(page, "loss", "energy lost [%]", 100, percent, "Energy lost. " + basis, 0.01, 1000)
-        self.figure(page, "gain", "energy gained [%]", 100, percent, "Energy gained. " + basis, 0.01, 1000)
+        self.figure(page, Quantity("loss", "energy lost [%]", percent, 0.01, 1000, factor=100), "Energy lost. " + basis)
+        self.figure(page, Quantity("gain", "energy gained [%]", percent, 0.01, 1000, factor=100), "Energy gained. " + basis)
         page.head("Vibration")
-        self.figure(page, "hold_vibration_N", "vibration [N]", 1, newton,
+        self.figure(page, Quantity("hold_vibration_N", "vibration [N]", newton, 1e-5, 100,
+                                   limits=((0.01, "0.01 N: our target"),)),
                     "Vibration while the hand holds still, ideal encoder: standard deviation of F − F<sub>direct</sub> between "
-                    "20 and 500 Hz, median of the windows.", 1e-5, 100, [(0.01, "0.01 N: our target")])
-        self.figure(page, "sync_step_N", "step of force [N]", 1, newton,
-                    "Force step at a synchronisation: 95 % of the steps of F − F<sub>direct</sub> are smaller.", 1e-4, 100)
+                    "20 and 500 Hz, median of the windows.")
+        self.figure(page, Quantity("sync_step_N", "step of force [N]", newton, 1e-4, 100),
+                    "Force step at a synchronisation: 95 % of the steps of F − F<sub>direct</sub> are smaller.")
         self.spectra(page)
 
     def spectra(self, page):
