@@ -57,7 +57,7 @@ TEST_CASE("every flipped bit of a service message is found, and every other leng
   CHECK_FALSE(decode_service_content(std::span(bytes).first(7), came));
 }
 
-TEST_CASE("the content lies where the layout says") {
+TEST_CASE("the content is at the offsets of the layout") {
   std::array<std::byte, kServiceContentSize> b{};
   encode_service_content({Operation::kWrite, ServiceStatus::kWrongState, 0x51, 0x1234, 0x44434241u}, b);
   const std::array<unsigned, 8> expected{0x42, 0x51, 0x34, 0x12, 0x41, 0x42, 0x43, 0x44};
