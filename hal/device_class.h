@@ -111,7 +111,7 @@ Status check_described(const DeviceClass& device_class, const std::string& text)
 
 // The check_address of classes without an address.
 Status check_no_address(std::string_view address);
-// The `takes` of classes whose devices cannot be told apart: one for a program.
+// The `takes` of classes whose devices cannot be distinguished: one for a program.
 std::vector<std::string> takes_the_only_one(std::string_view address, const DeviceDescription& description);
 
 }  // namespace tactus::hal

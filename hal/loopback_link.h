@@ -196,7 +196,7 @@ class LoopbackLink {
     void send_state(std::span<const std::byte> frame) noexcept {
       std::copy_n(frame.begin(), std::min(frame.size(), state.size()), state.begin());
     }
-    bool receive_service(firmware::ServiceMessage&) noexcept { return false; }  // call() asks the device directly
+    bool receive_service(firmware::ServiceMessage&) noexcept { return false; }  // call() calls the device directly
     void reply_service(const firmware::ServiceMessage&) noexcept {}
   };
 

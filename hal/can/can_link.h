@@ -52,7 +52,7 @@ class CanLink {
  public:
   static constexpr unsigned kMaxFrames = firmware::CanSocket::kQueuedFrames, kMaxWakes = 4;
 
-  // Errors, one line each: those of check_can_interface, and no device heard under this node id.
+  // Errors, one line each: those of check_can_interface, and no frame received from this node id.
   static Result<std::unique_ptr<CanLink>> open(const CanOptions& options);
   // Drops waiting frames and clears the counters, just before the first tick.
   Status start();

@@ -45,7 +45,7 @@ class DriveArm {
   DriveArm(const DriveArm&) = delete;
   DriveArm& operator=(const DriveArm&) = delete;
 
-  // Drops what waits and asks the drives for a first sample.
+  // Drops waiting frames and requests a first sample from the drives.
   Status start();
 
   const haptics::DeviceProperties& properties() const noexcept { return properties_; }

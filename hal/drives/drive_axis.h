@@ -33,7 +33,7 @@ struct DriveAxis {
   double offset_rad{0};          // the drive's angle where the axis coordinate is zero
   double position_range_rad{0};  // the fields of a frame span +- these; 0: the family has no such field
   double speed_range_rad_per_s{0};
-  double torque_range_Nm{0};            // also the largest torque that is asked of the drive
+  double torque_range_Nm{0};            // also the largest torque that is commanded
   double damping_range_Nms_per_rad{0};  // largest damping gain of a frame; moteus: the configured kd
   double counts_per_turn{0};            // of the drive's encoder, where the frames do not have a quantum; else 0
   double damping_Nms_per_rad{0};        // in the drive, while there is force; counts as physical damping

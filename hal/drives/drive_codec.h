@@ -63,19 +63,19 @@ struct DriveCodec {
   bool extended_command, extended_answer;
   bool needs_fd;                             // its frames do not fit classic CAN
   bool damps;                                // it can close a damping term
-  bool tells_enabled;                        // each answer to a torque command tells whether the drive is enabled
+  bool tells_enabled;                        // each answer to a torque command reports whether the drive is enabled
   bool has_float_position;                   // the frame has no quantum: counts_per_turn is needed
   double default_damping_range_Nms_per_rad;  // 0: there is none
   double damping_steps;                      // of the field from zero to its range
-  bool tells_torque{true};                   // each answer to a torque command has the torque that the drive makes
+  bool tells_torque{true};                   // each answer to a torque command reports the drive's torque
 };
 
 const DriveCodec& codec_of(DriveFamily family) noexcept;
 
-// Steps per turn of the axis in which the frames tell its position: those of the field, or of the drive's encoder.
+// Steps per turn of the axis in which the frames report its position: those of the field, or of the drive's encoder.
 double drive_counts_per_turn(DriveFamily family, const DriveAxis& axis) noexcept;
 
-// The damping that the frames carry where this one is asked for: a whole number of steps, never more than asked.
+// The damping that the frames carry for a requested one: a whole number of steps, never more than requested.
 double sent_damping_Nms_per_rad(DriveFamily family, const DriveAxis& axis, double damping_Nms_per_rad) noexcept;
 
 // A field of `bits` that spans +-range: nearest step, clamped; NaN gives the middle. `round_up` decides a tie.

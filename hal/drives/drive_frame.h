@@ -29,7 +29,7 @@ struct DriveFrame {
   friend bool operator==(const DriveFrame&, const DriveFrame&) noexcept = default;
 };
 
-// Little-endian, from byte `at` on; the caller knows that the bytes are there.
+// Little-endian, from byte `at` on; the caller must have checked the length.
 inline std::uint32_t u32_at(const DriveFrame& frame, unsigned at) noexcept {
   std::uint32_t value = 0;
   for (unsigned i = 0; i < 4; ++i) value |= static_cast<std::uint32_t>(frame.data[at + i]) << (8 * i);

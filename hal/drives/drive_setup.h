@@ -1,7 +1,7 @@
 // Checks and prepares the drives of an arm before they may make torque: identity, ranges, mode, watchdog.
 //
 // Each drive is compared with the description. Its watchdog is set where the host can set it, else provoked and
-// observed (of a moteus its configuration is asked for, too), else (CubeMars, mini-cheetah) taken from the description,
+// observed (of a moteus its configuration is read, too), else (CubeMars, mini-cheetah) taken from the description,
 // which then must state it. No drive is left enabled and none gets a torque; a moteus and an ODrive are enabled without
 // torque for some milliseconds to provoke their watchdog. Thread: [setup], or a normal thread with buses of its own.
 // Bound: some requests per drive, each answered within kDriveAnswer or refused.

@@ -3,10 +3,10 @@
 // A torque command and its query are one frame: mode = position, position NaN (no position term), feed-forward torque,
 // kp scale 0, kd scale for the damping, time-out in ms; then a query of mode, position, velocity, torque, fault. The
 // mode is written first, because writing it resets the other fields. The time-out acts in mode 10 alone, so mode 9
-// (current), which has none, is not used. An answer tells the mode from before its command: the drive acts on a frame
+// (current), which has none, is not used. An answer reports the mode before its command: the drive acts on a frame
 // when it has answered it. From stopped it takes 10 to 15 ms to mode 10, through the modes 2 to 4, without torque: the
 // gate driver starts, and 256 control cycles measure the currents' zeros. So a drive that has restarted, or was
-// stopped, tells so in ten answers and more. Source: mjbots/moteus db1a762 (Apache-2.0), docs/protocol and fw/; not
+// stopped, reports that in ten answers and more. Source: mjbots/moteus db1a762 (Apache-2.0), docs/protocol and fw/; not
 // tried on a drive. Thread: [any], [rt].
 #pragma once
 

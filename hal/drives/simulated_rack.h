@@ -26,7 +26,7 @@ enum class DriveFaultKind : std::uint8_t {
   kShort = 6,        // the answer lacks its last three bytes
   kFaultFlag = 7,    // the drive reports a fault of its own, from the first tick on
   kDisabled = 8,     // the drive disables itself in the first tick
-  kRestarted = 9,    // the drive restarts in the first tick, and hears nothing before the last
+  kRestarted = 9,    // the drive restarts in the first tick, and receives nothing before the last
   kWrapped = 10,     // the position has jumped by twice its range
   kSpeed = 11,       // the speed field is at its end
   kBusOff = 12,      // the whole bus is off
@@ -48,7 +48,7 @@ class SimulatedRack {
 
   SimulatedRack(const DriveDescription& description, std::int64_t period_ns);
 
-  // The other drives neither hear nor say anything.
+  // The other drives neither receive nor send.
   void keep_only(unsigned axis) noexcept { only_ = axis; }
 
   // One period: begin, watchdogs in as many steps as its owner moves the shafts, end.

@@ -28,7 +28,7 @@ class TorqueWatch {
     newest_ = newest_ + 1 < sent_.size() ? newest_ + 1 : 0;
   }
 
-  // Once in each period with an answer. `damping_Nm`: what the drive's own damping adds at the speed that it tells.
+  // Once in each period with an answer. `damping_Nm`: what the drive's own damping adds at the speed that it reports.
   // True: it lacks torque.
   bool lacks(double told_Nm, double damping_Nm, double range_Nm) noexcept {
     const double expected = least(damping_Nm);

@@ -19,10 +19,10 @@ inline constexpr std::chrono::seconds kFalconHomingWait{20};
 
 // 1 byte to 64 KiB. Error, one line: what is wrong with the file, and what is wanted.
 Result<std::vector<std::uint8_t>> load_falcon_image(const std::filesystem::path& path);
-// 64-bit FNV-1a, 16 hexadecimal digits: to tell images apart.
+// 64-bit FNV-1a, 16 hexadecimal digits: distinguishes images.
 std::string falcon_checksum(std::span<const std::uint8_t> image);
 
-// Asks once whether firmware runs; loads `image` if not (empty: an error says so). Error, one line.
+// Checks once whether firmware runs; loads `image` if not (empty: an error says so). Error, one line.
 Status start_falcon(FalconPort& port, std::span<const std::uint8_t> image);
 
 // Exchanges packets without force until all axes are homed. Error, one line: what the person has to do.

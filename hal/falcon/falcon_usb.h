@@ -1,5 +1,5 @@
 // The Falcon's FTDI chip over libusb. Thread: open() [setup]; the rest by one thread, which waits for the bus.
-// Bound: a transfer waits as long as it is told, or kTransfer.
+// Bound: a transfer waits for its own time-out, or kTransfer.
 #pragma once
 
 #include <memory>

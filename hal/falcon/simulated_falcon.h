@@ -35,7 +35,7 @@ class SimulatedFalconPort final : public FalconPort {
   Vec3d force() const noexcept;  // of the motors at the tool, device frame
   // The hand's path begins now.
   void restart_hand() noexcept { time_s_ = 0; }
-  // The host's last packet asked for the green light: there is force.
+  // The host's last packet switched the green light on: there is force.
   bool green() const noexcept { return green_; }
   const Plant& plant() const noexcept { return plant_; }
   std::size_t image_bytes() const noexcept { return image_bytes_; }

@@ -70,7 +70,7 @@ class SharedLines {
     common_->lines->heartbeat();
   }
 
-  // [setup] No hand wants force any more: after the threads have ended.
+  // [setup] No hand requests force any more: after the threads have ended.
   void off() noexcept {
     common_->wanted.store(0, kRelaxed);
     common_->lines->enable(false);
@@ -83,7 +83,7 @@ class SharedLines {
     std::unique_ptr<Lines> lines;
     unsigned hands{1};
     std::atomic<std::uint32_t> stops{0};   // times that the e-stop was seen to become active
-    std::atomic<std::uint32_t> wanted{0};  // bit by hand: it wants force
+    std::atomic<std::uint32_t> wanted{0};  // bit by hand: it requests force
     std::array<std::atomic<std::uint32_t>, kMaxHands> beats{};
   };
 

@@ -1,4 +1,4 @@
-// Force Dimension's library (libdrd, libdhd), loaded when it is asked for: the functions that tactus calls, by name.
+// Force Dimension's library (libdrd, libdhd), loaded on request: the functions that tactus calls, by name.
 //
 // The library is the user's own: nothing of it is part of tactus, and the declarations here are those of its documented
 // interface. Thread: load() [setup]. The functions may be called by any thread; they wait for the bus.

@@ -1,4 +1,4 @@
-// 3D Systems' library HD (libHD, of OpenHaptics), loaded when it is asked for: the functions that tactus calls, by
+// 3D Systems' library HD (libHD, of OpenHaptics), loaded on request: the functions that tactus calls, by
 // name.
 //
 // The library is the user's own, under a licence that the user holds: nothing of it is part of tactus, and the

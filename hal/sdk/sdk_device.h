@@ -83,7 +83,7 @@ class SdkWorker {
   // Of the library's thread, and before it starts and after it ended of the owner's.
   Request newest_;
   unsigned unasked_{0}, lost_{0};  // periods without a request; without a fresh sample
-  std::uint32_t reported_{0};      // the fault that the library reported, until force is not asked for any more
+  std::uint32_t reported_{0};      // the fault that the library reported, until force is no longer requested
   bool forces_{false};
   std::array<std::int64_t, kTrials> trial_ns_{};
   unsigned good_trials_{0};

@@ -25,7 +25,7 @@ std::string describe_sdk_fault(std::uint32_t number) {
       return "its library refuses its licence; renew it with the maker's tool, then start again";
     case kSdkTimeWentBack:
       return "its library's clock ran backwards, so the age of its samples is not known; start again, and if it "
-             "returns install the maker's driver anew";
+             "returns reinstall the maker's driver";
     case kSdkForcesOff:
       return "its library switched the forces off, or refuses them, and says no more: a button of the device, its own "
              "guard, or its supply; see its manual, then re-arm";

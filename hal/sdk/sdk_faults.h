@@ -9,9 +9,9 @@
 
 namespace tactus::hal {
 
-inline constexpr std::uint32_t kSdkNotCalibrated = kOfHost | 96;    // the library does not know where the arm is
-inline constexpr std::uint32_t kSdkMotorsWarm = kOfHost | 97;       // the motors' temperature
-inline constexpr std::uint32_t kSdkForceTooLarge = kOfHost | 98;    // beyond what the library accepts
+inline constexpr std::uint32_t kSdkNotCalibrated = kOfHost | 96;  // the library has no reference for the arm's position
+inline constexpr std::uint32_t kSdkMotorsWarm = kOfHost | 97;     // the motors' temperature
+inline constexpr std::uint32_t kSdkForceTooLarge = kOfHost | 98;  // beyond what the library accepts
 inline constexpr std::uint32_t kSdkForceTooSudden = kOfHost | 99;   // it rose faster than the library accepts
 inline constexpr std::uint32_t kSdkTooFast = kOfHost | 100;         // the arm moved faster than the library accepts
 inline constexpr std::uint32_t kSdkForceError = kOfHost | 101;      // another reason for which it gives no force

@@ -34,7 +34,7 @@ class SdkPort {
  public:
   virtual ~SdkPort() = default;
   virtual const haptics::DeviceProperties& properties() const noexcept = 0;
-  // Sends a wrench and takes a state, in the order that the library wants. The fault counts whatever the result is.
+  // Sends a wrench and takes a state, in the order that the library requires. The fault counts whatever the result is.
   virtual SdkResult exchange(const Wrenchd& wrench, SdkState& state) noexcept = 0;
   virtual bool enable_forces(bool on) noexcept = 0;  // off: brakes, where the device has some. False: refused
   // What ends the force when this program or its library stops, as a half line.

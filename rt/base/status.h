@@ -24,7 +24,7 @@ enum class Fault : std::uint32_t {
   kEmergencyStop = 11,    // the e-stop line is active
   kWorldLost = 12,        // reserved
   kDeviceLeftForce = 13,  // the device was in FORCE, is commanded to stay there, and is in IDLE or RESET
-  kForceRefused = 14,     // the device accepts commands that want FORCE, and stays in IDLE or RESET
+  kForceRefused = 14,     // the device accepts commands that request FORCE, and stays in IDLE or RESET
 };
 
 enum StatusBit : std::uint32_t {

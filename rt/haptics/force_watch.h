@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kRefusedCommands = 3;
 
 struct ForceWatch {
   struct State {
-    std::uint64_t first_sequence{0};    // first command that wants FORCE; 0: none
+    std::uint64_t first_sequence{0};    // first command that requests FORCE; 0: none
     std::uint64_t refused_sequence{0};  // newest command that the device accepted without being in FORCE
     std::uint32_t refused{0};           // number of such commands
     std::uint32_t in_force{0};          // 1: the device has been in FORCE since

@@ -76,7 +76,7 @@ TEST_CASE("a period takes the command, drives the motors, sends the state, and a
   CHECK(link.state.missed_commands == 1);
 }
 
-TEST_CASE("what a link knows of its bus' errors is in the registers when it is asked for, and 0 on another link") {
+TEST_CASE("the registers report the bus errors of a link that counts them, and 0 on another link") {
   struct BusLink : FakeLink {
     BusErrors errors;
     BusErrors bus_errors() const noexcept { return errors; }
@@ -103,7 +103,7 @@ TEST_CASE("what a link knows of its bus' errors is in the registers when it is a
   CHECK(read(link, number::kCanBusOff) == 3);
 }
 
-TEST_CASE("a board with storage starts with what was saved, one without says that it keeps nothing") {
+TEST_CASE("a board with storage starts with the saved configuration, one without reports that it saves nothing") {
   for (const bool keeps : {true, false}) {
     Device device(bench_config());
     FakeMechanics mechanics;

@@ -76,7 +76,7 @@ TEST_CASE("identifiers: function above node, commands win the bus over states an
   }
 }
 
-TEST_CASE("the bits of the fragments lie where the table says") {
+TEST_CASE("the bits of the fragments are at the positions of the table") {
   StateFrame s;
   s.state = State::kBrake;
   s.fault = 0x2a;
@@ -350,7 +350,7 @@ TEST_CASE("a clock that stands still is seen to stand still") {
   }
 }
 
-TEST_CASE("the echo is rebuilt from what was sent, and stands still while the device hears nothing") {
+TEST_CASE("the echo is rebuilt from the sent commands, and does not change while the device receives none") {
   std::mt19937_64 random(41);
   StateSplitter splitter;
   StateAssembler assembler(kPeriod_us);

@@ -42,7 +42,7 @@ TEST_CASE("every register that is written is in the block, once, and the block h
   CHECK(kept <= kMaxConfigEntries);
 }
 
-TEST_CASE("a block gives back each value that went in") {
+TEST_CASE("a block returns each value that was written into it") {
   DeviceConfig config = bench_config();
   config.control.fade_frames = 4;
   config.encoders.offset[3] = -123456;
@@ -56,7 +56,7 @@ TEST_CASE("a block gives back each value that went in") {
       REQUIRE(read_field(row, i, read.view()) == read_field(row, i, config.view()));
 }
 
-TEST_CASE("a block is as long as it says") {
+TEST_CASE("a block of another length than its header's is refused") {
   for (const int change : {-1, 1, 6}) {
     auto block = block_of(bench_config());
     block.resize(block.size() + static_cast<std::size_t>(change));
@@ -65,7 +65,7 @@ TEST_CASE("a block is as long as it says") {
   }
 }
 
-TEST_CASE("numbers that are not known, or not written by hosts, are passed over") {
+TEST_CASE("numbers that are unknown, or that no host writes, are skipped") {
   auto block = block_of(bench_config());
   append(block, 0x7abc, 1);
   append(block, number::kState, 1);
@@ -74,7 +74,7 @@ TEST_CASE("numbers that are not known, or not written by hosts, are passed over"
   CHECK(read_config_block(block, read));
 }
 
-TEST_CASE("a value out of its range, or a whole that makes no sense, is refused whole") {
+TEST_CASE("with a value out of range, or values that contradict each other, the whole block is refused") {
   for (const auto& [wanted, value] : {std::pair<unsigned, std::uint32_t>{number::kFadeFrames, 0},
                                       {number::kFadeFrames, 200},
                                       {number::kMaxForce, 0x7fc00000u},

@@ -273,7 +273,7 @@ TEST_CASE("overspeed brakes above the limit of the axis, not at it") {
     }
 }
 
-TEST_CASE("the state frame tells sequence, time, counts and buttons of its own period") {
+TEST_CASE("the state frame contains sequence, time, counts and buttons of its own period") {
   Bench b;
   for (std::uint32_t i = 1; i < 100; ++i) {
     b.inputs.counts = {static_cast<std::int32_t>(i), 2, 3, 4, 5, -6};

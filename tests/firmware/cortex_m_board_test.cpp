@@ -49,7 +49,7 @@ TEST_CASE("a board to which nothing is connected is stopped and without supply")
   CHECK_FALSE(inputs.motor_bus_ok);
 }
 
-TEST_CASE("what the registers hold is what the controller is told") {
+TEST_CASE("the controller receives the contents of the registers") {
   Bench b;
   b.registers.pins = kPinStopReleased | kPinSupplyGood | 0xa5u << kFirstButtonPin;
   for (unsigned i = 0; i < kAxes; ++i) {
@@ -68,7 +68,7 @@ TEST_CASE("what the registers hold is what the controller is told") {
   }
 }
 
-TEST_CASE("each index pulse is told once, with the count that it latched") {
+TEST_CASE("each index pulse is reported once, with the count that it latched") {
   Bench b;
   CHECK(b.sample().index_edges == 0);
   b.registers.index_pulses[2] = 1;
@@ -137,7 +137,7 @@ TEST_CASE("the heartbeat toggles in every period, whatever the state") {
   }
 }
 
-TEST_CASE("the clock tells periods and the time inside them, and never goes back") {
+TEST_CASE("the clock gives periods and the time within them, and never decreases") {
   Bench b;
   CHECK(b.timer.reload == kCountsPerPeriod - 1);
   std::uint64_t last_us = 0;
@@ -152,7 +152,7 @@ TEST_CASE("the clock tells periods and the time inside them, and never goes back
       last_us = now_us;
     }
     b.clock.tick();
-    b.timer.current = b.timer.reload;  // the counter has begun anew before the tick is taken
+    b.timer.current = b.timer.reload;  // the counter has restarted before the tick is taken
     REQUIRE(b.clock.now_us() >= last_us);
     REQUIRE(b.clock.take_tick());
     REQUIRE_FALSE(b.clock.take_tick());
@@ -160,7 +160,7 @@ TEST_CASE("the clock tells periods and the time inside them, and never goes back
   CHECK(b.clock.missed() == 0);
 }
 
-TEST_CASE("periods that ran long are counted, and the clock still tells the time") {
+TEST_CASE("periods that overran are counted, and the clock stays correct") {
   Bench b;
   for (int i = 0; i < 4; ++i) b.clock.tick();
   CHECK(b.clock.take_tick());

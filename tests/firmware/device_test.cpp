@@ -33,7 +33,7 @@ TEST_CASE("a device with a plain configuration does what its controller alone do
   }
 }
 
-TEST_CASE("a device says who it is") {
+TEST_CASE("a device reports its identity") {
   DeviceBench b(bench_config(), make_identity(MechanismClass::kVirtuose6, "TACTUS-0042"));
   CHECK(b.read(number::kProtocol) == kProtocolVersion);
   CHECK(b.read(number::kRevision) == kRegisterRevision);
@@ -147,7 +147,7 @@ TEST_CASE("the factory's configuration comes back on command") {
   CHECK(b.device.controller().config().max_force_N == 12.0f);
 }
 
-TEST_CASE("what was saved is what a restored device runs with, and every broken byte of it is noticed") {
+TEST_CASE("a restored device runs with the saved configuration, and every broken byte of it is detected") {
   DeviceBench b;
   REQUIRE(b.write(number::kMaxForce, 3.0f) == ServiceStatus::kGood);
   REQUIRE(b.write(number::kDirection + 1, -1) == ServiceStatus::kGood);
@@ -193,7 +193,7 @@ TEST_CASE("what was saved is what a restored device runs with, and every broken 
   }
 }
 
-TEST_CASE("a board that keeps nothing says so") {
+TEST_CASE("a board without storage reports that it saves nothing") {
   DeviceBench b;
   b.nothing();
   REQUIRE(b.execute(number::kSave) == ServiceStatus::kGood);
@@ -203,7 +203,7 @@ TEST_CASE("a board that keeps nothing says so") {
   CHECK(b.write(number::kMaxForce, 4.0f) == ServiceStatus::kGood);
 }
 
-TEST_CASE("the log tells number, state before, axis, time and value, newest first, over a re-arm") {
+TEST_CASE("the log contains number, state before, axis, time and value, newest first, over a re-arm") {
   DeviceBench b;
   b.start_force();
   b.inputs.counts[4] -= 250;  // 25 rad/s, of 20
@@ -224,7 +224,7 @@ TEST_CASE("the log tells number, state before, axis, time and value, newest firs
   CHECK(b.read(number::kFaultLog + 8) == 255u << 24);  // none
 }
 
-TEST_CASE("a BRAKE that the host asks for is not logged, lost commands are") {
+TEST_CASE("a BRAKE that the host requests is not logged, lost commands are") {
   DeviceBench b;
   b.start_force();
   b.command(State::kBrake);
@@ -237,7 +237,7 @@ TEST_CASE("a BRAKE that the host asks for is not logged, lost commands are") {
   CHECK(b.device.fault_log().entry(0).value == 10.0f);
 }
 
-TEST_CASE("diagnosis registers read what the state frame tells") {
+TEST_CASE("diagnosis registers have the values of the state frame") {
   DeviceBench b;
   b.start_force({100, 0, 0, 0, 0, 0});
   b.nothing(4);

@@ -140,7 +140,7 @@ TEST_CASE("an order that is none, or by index without an index, is refused") {
   CHECK(encoders.state() == HomingState::kNotHomed);
 }
 
-TEST_CASE("pulses whole distances apart are good, any other distance is a fault that takes the homing away") {
+TEST_CASE("pulses at whole distances are accepted, any other distance is a fault that clears the homing") {
   for (std::int32_t off = -kDistance / 2; off <= kDistance / 2; ++off)
     for (const std::int32_t turns : {-3, 0, 1, 100}) {
       Encoders encoders;
@@ -189,7 +189,7 @@ TEST_CASE("an encoder's own error flag brakes, counts, and is re-armed only once
   CHECK(b.fault() == Fault::kNone);
 }
 
-TEST_CASE("a device that demands homing refuses FORCE, says why, and gives it once homed in its cradle") {
+TEST_CASE("a device that requires homing refuses FORCE, reports why, and accepts it once homed in its cradle") {
   DeviceBench b = demanding_bench();
   b.start_force({1, 0, 0, 0, 0, 0});
   CHECK(b.state() == State::kIdle);

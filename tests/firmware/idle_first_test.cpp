@@ -5,7 +5,8 @@
 
 using namespace tactus::firmware;
 
-TEST_CASE("a device that has just started gives no force before a command wanted IDLE, whatever else comes") {
+TEST_CASE(
+    "a device that has just started applies no force before a command requests IDLE, whatever other commands arrive") {
   std::mt19937_64 random(11);
   for (int run = 0; run < 200; ++run) {
     DeviceBench b;
@@ -20,7 +21,7 @@ TEST_CASE("a device that has just started gives no force before a command wanted
   }
 }
 
-TEST_CASE("a command that wants IDLE, be it the one that starts the sequence, lets the next one have FORCE") {
+TEST_CASE("after a command that requests IDLE, even the one that starts the sequence, the next one can request FORCE") {
   const bool starts = GENERATE(true, false);
   DeviceBench b;
   if (!starts) {
@@ -58,7 +59,7 @@ TEST_CASE("an IDLE that is stale or broken does not count") {
   CHECK(b.state() == State::kIdle);
 }
 
-TEST_CASE("a device that braked before its first IDLE goes by the re-arm that wants IDLE to FORCE") {
+TEST_CASE("a device that braked before its first IDLE reaches FORCE by a re-arm that requests IDLE") {
   DeviceBench b;
   b.command(State::kForce, {9});
   b.command(State::kBrake);

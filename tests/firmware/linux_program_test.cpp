@@ -53,7 +53,7 @@ TEST_CASE("Linux program: its options and the board's are taken", "[firmware]") 
   CHECK(parsed.serial == "A 1");
 }
 
-TEST_CASE("Linux program: wrong arguments are one line that says what is accepted, help lists all", "[firmware]") {
+TEST_CASE("Linux program: wrong arguments give one line with the accepted ones, help lists all", "[firmware]") {
   const auto text = [](std::vector<const char*> arguments) {
     const Parsed parsed = parse(std::move(arguments));
     CHECK_FALSE(parsed.result.run);
@@ -74,7 +74,7 @@ TEST_CASE("Linux program: wrong arguments are one line that says what is accepte
     CHECK(help.result.text.find(option) != std::string::npos);
 }
 
-TEST_CASE("Linux program: the control loop runs as many periods as asked for, and stops when told", "[firmware]") {
+TEST_CASE("Linux program: the control loop runs the requested number of periods, and stops on request", "[firmware]") {
   std::atomic<bool> stop{false};
   int periods = 0;
   CHECK(run_paced(50, 20, stop, [&]() noexcept { ++periods; }).periods == 20);
@@ -99,7 +99,7 @@ TEST_CASE("Linux program: deadlines that passed are counted as skipped, none is 
   CHECK(pace.counters().periods == 12);
 }
 
-TEST_CASE("mailbox: the newest frame comes once, and the one that it replaced is told of", "[firmware]") {
+TEST_CASE("mailbox: the newest frame is returned once, and the frame that it replaced is reported", "[firmware]") {
   Mailbox mailbox;
   std::array<std::byte, kMaxFrameSize> out{};
   CHECK(mailbox.take(out) == 0);

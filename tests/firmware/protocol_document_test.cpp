@@ -162,7 +162,7 @@ TEST_CASE("the document has every state, fault, limit, status and self-test bit,
   has("Self-test", 0, 5);
 }
 
-TEST_CASE("the document's example bytes decode as it says") {
+TEST_CASE("the document's example bytes decode to the values beside them") {
   unsigned examples = 0;
   std::map<std::string, unsigned> kinds;
   const auto lines = section("An exchange, byte by byte");
@@ -182,7 +182,7 @@ TEST_CASE("the document's example bytes decode as it says") {
   CHECK(kinds.size() == 4);
 }
 
-TEST_CASE("the document says what the code says about USB") {
+TEST_CASE("the document and the code agree about USB") {
   std::string all;
   for (const std::string& line : section("USB")) all += line + "\n";
   for (const std::string& figure :
@@ -224,7 +224,7 @@ TEST_CASE("the document's serial line is that of the code: rate, bits of a perio
   CHECK(std::vector<std::byte>(line.begin(), line.begin() + static_cast<long>(size)) == examples[1]);
 }
 
-TEST_CASE("the document's section on CAN is what the CAN codec says of itself") {
+TEST_CASE("the document's section on CAN and the CAN codec agree") {
   std::vector<std::string> said;
   for (const std::string& line : lines_of("can_codec.h")) {
     if (line.rfind("//", 0) != 0 || line.rfind("// Bus load", 0) == 0) break;

@@ -99,7 +99,7 @@ TEST_CASE("a decoded frame is the frame that was encoded") {
   }
 }
 
-TEST_CASE("the bytes lie where the layout says, little end first") {
+TEST_CASE("the bytes are at the offsets of the layout, little-endian") {
   StateFrame s;
   s.state = State::kForce;
   s.sequence = 0x04030201u;

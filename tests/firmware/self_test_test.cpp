@@ -113,7 +113,7 @@ TEST_CASE("a bit that flips in the configuration in force brakes the device with
   CHECK(b.device.controller().config().max_force_N == 12.0f);
 }
 
-TEST_CASE("the first self-test is over before the first period, and one on command begins anew") {
+TEST_CASE("the first self-test ends before the first period, and a command starts another pass") {
   DeviceBench b;
   CHECK(b.read(number::kSelfTestPasses) == 1);
   b.nothing(5);

@@ -155,7 +155,7 @@ TEST_CASE("commands are handed out once, oldest first, and what is none comes af
   CHECK(b.taken_sequence() == 6);
 }
 
-TEST_CASE("a frame whose bytes come over several periods is handed out when it is whole") {
+TEST_CASE("a frame whose bytes arrive over several periods is returned when it is complete") {
   Bench b;
   std::array<std::byte, kCommandFrameSize> frame{};
   encode_command({State::kIdle, false, 7, {}}, frame);
@@ -196,7 +196,7 @@ TEST_CASE("a broken request is refused and counted, a broken command is the cont
   CHECK(b.link.receive_command(b.buffer) == 3);
 }
 
-TEST_CASE("states and replies leave stuffed, in order, and the port is told") {
+TEST_CASE("states and replies are sent byte-stuffed and in order, and the port is started for each") {
   Bench b;
   std::array<std::byte, kStateFrameSize> state{};
   encode_state({}, state);
@@ -213,7 +213,7 @@ TEST_CASE("states and replies leave stuffed, in order, and the port is told") {
   CHECK(b.sent() == expected);
 }
 
-TEST_CASE("what a full ring cannot take is counted, and whole frames only are left out") {
+TEST_CASE("what a full ring cannot hold is counted, and only complete frames are dropped") {
   Bench b;
   std::array<std::byte, kStateFrameSize> state{};
   encode_state({}, state);

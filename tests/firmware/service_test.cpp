@@ -57,7 +57,7 @@ TEST_CASE("every flipped bit of a service message is found, and every other leng
   CHECK_FALSE(decode_service_content(std::span(bytes).first(7), came));
 }
 
-TEST_CASE("the content lies where the layout says") {
+TEST_CASE("the content is at the offsets of the layout") {
   std::array<std::byte, kServiceContentSize> b{};
   encode_service_content({.operation = Operation::kWrite,
                           .status = ServiceStatus::kWrongState,

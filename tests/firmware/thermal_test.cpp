@@ -131,7 +131,7 @@ TEST_CASE("a winding that a sensor finds at its limit brakes, and may be re-arme
   CHECK(b.state() == State::kIdle);
 }
 
-TEST_CASE("a sensor that says infinity brakes, and the model comes back when the sensor does") {
+TEST_CASE("an infinite sensor value brakes, and the model recovers when the sensor does") {
   ThermalModel model;
   model.configure(motor(1, 1.0f, 40, 80));
   run(model, 0, 64, std::numeric_limits<float>::infinity());

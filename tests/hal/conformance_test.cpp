@@ -53,7 +53,7 @@ std::string says(const haptics::DeviceSample& s) {
 
 }  // namespace
 
-TEST_CASE("the host's codec says and hears what the conformance file has") {
+TEST_CASE("the host's codec encodes and decodes the frames of the conformance file") {
   std::ifstream file(TACTUS_SOURCE_DIR "/firmware/conformance.txt");
   REQUIRE(file.good());
   std::string line, wants, out;

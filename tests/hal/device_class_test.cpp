@@ -37,7 +37,7 @@ TEST_CASE("the device option names a class, and where the class has one an addre
   CHECK(choice("example").device_class->name == "example");
 }
 
-TEST_CASE("a device option that names nothing is one line that says what is accepted") {
+TEST_CASE("a device option with an unknown name gives one line with the accepted ones") {
   for (const char* text :
        {"", "usbx", "sim:1", "usb:", "can", "can:", "can::1", "can:can0:", "can:can0:0", "can:can0:128", "can:can0:1x",
         "can:can0:-1", "can:an_interface_of_16", "SIM", "example:2"}) {

@@ -156,7 +156,7 @@ TEMPLATE_TEST_CASE("A device: its properties are finite and go together", "", DE
   CHECK(p.position_quantum_m < 0.01 * p.workspace_radius_m);
 }
 
-TEMPLATE_TEST_CASE("A device: its first sample comes at once, and the input guard believes all of them", "", DEVICES) {
+TEMPLATE_TEST_CASE("A device: its first sample comes at once, and the input guard accepts all of them", "", DEVICES) {
   Host<TestType> host;
   haptics::InputGuard guard{{.period_s = kPeriod_s, .device = host.device.properties()}, {}};
   host.command.wanted = DeviceState::kForce;
@@ -198,7 +198,7 @@ TEMPLATE_TEST_CASE("A device: it echoes the command that it has, never one that 
   }
 }
 
-TEMPLATE_TEST_CASE("A device: it idles until force is wanted, and idles again when it is told to", "", DEVICES) {
+TEMPLATE_TEST_CASE("A device: it idles until FORCE is requested, and again when IDLE is requested", "", DEVICES) {
   Host<TestType> host;
   host.tick();
   CHECK((host.input.sample.state == DeviceState::kReset || host.input.sample.state == DeviceState::kIdle));
@@ -287,7 +287,8 @@ TEMPLATE_TEST_CASE("A device: a few commands that go missing are no reason to br
   }
 }
 
-TEMPLATE_TEST_CASE("A device: what is not finite never reaches the mechanism, and it says so", "", DEVICES) {
+TEMPLATE_TEST_CASE("A device: a value that is not finite never reaches the mechanism, and the device reports it", "",
+                   DEVICES) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
   for (const double wrong : {kNan, kInfinity, -kInfinity}) {
     Host<TestType> host;

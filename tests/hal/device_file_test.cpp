@@ -167,7 +167,7 @@ TEST_CASE("each mistake has its line, its key, what was found and what is accept
   CHECK_THAT(message(text), Catch::StartsWith("my.toml:" + std::to_string(line_of(text, "mass_kg = -1")) + ":11: "));
 }
 
-TEST_CASE("whatever is missing is said, all of it at once") {
+TEST_CASE("all missing keys are reported at once") {
   const std::string said = message("");
   for (const char* key : {"name", "kinematics", "workspace", "limits", "mechanics", "encoders", "link"})
     CHECK_THAT(said, Catch::Contains(std::string(key) + ": missing"));

@@ -43,7 +43,7 @@ std::string difference(std::uint16_t address, float value) {
 
 }  // namespace
 
-TEST_CASE("a register that changed since the run began is told: which, both values, what to do") {
+TEST_CASE("a register that changed since the start of the run is reported: name, both values, remedy") {
   const firmware::Config config = firmware_config(*find_profile("virtuose6d"), 1000);
   for (std::uint16_t axis = 0; axis < 6; ++axis) {
     const std::string of = fmt::format(" of axis {} (register 0x0", axis);
@@ -66,7 +66,7 @@ TEST_CASE("a register that changed since the run began is told: which, both valu
   CHECK_THAT(difference(number::kProtocol, 2u), Contains("its protocol_version"));
 }
 
-TEST_CASE("another device is told by its serial number, whatever characters that has") {
+TEST_CASE("another device is detected by its serial number, whatever characters that has") {
   CHECK_THAT(difference(number::kSerial, 0x00003142u), Contains("its serial number is 'B1', this run began with ''"));
   CHECK_THAT(difference(number::kSerial, 0x6d315b1bu), Contains("'\\x1b[1m'") && !Contains("\x1b"));
 }

@@ -61,7 +61,7 @@ TEST_CASE("no number from outside is taken for one of the host's") {
   }
 }
 
-TEST_CASE("limits that hold back all force are told by number and in words, cuts of an effort are not") {
+TEST_CASE("limits that withhold all force are reported by number and in words, a limited effort is not") {
   CHECK(describe_device_limits(0).empty());
   CHECK(describe_device_limits(0xff).empty());
   CHECK_THAT(describe_device_limits(1u << 12), Contains("limit 76: homing is demanded and not done"));
@@ -69,7 +69,7 @@ TEST_CASE("limits that hold back all force are told by number and in words, cuts
   CHECK_THAT(describe_device_limits(1u << 15), Contains("limit 79: this program does not know it"));
 }
 
-TEST_CASE("a latched fault's line says what the device says of it") {
+TEST_CASE("the line of a latched fault contains the device's own report") {
   CHECK_THAT(describe(Fault::kDeviceFault, {DeviceState::kBrake, 5, 0}),
              Contains("device fault 5: the motors' supply"));
   CHECK_THAT(describe(Fault::kDeviceFault, {DeviceState::kBrake, 0, 0}), Contains("by number"));

@@ -37,7 +37,7 @@ Hostilities play(const hal::DeviceProfile& profile, const std::vector<std::uint8
 
 }  // namespace
 
-TEST_CASE("a device that trembles within reason is believed, and its force is within its limits") {
+TEST_CASE("samples of a device that vibrates plausibly are accepted, and its force is within its limits") {
   for (const hal::DeviceProfile& profile : hal::all_profiles()) {
     const Hostilities found = play(profile, script_of(1, {1, 1, 1, 1, 33}, 5000));
     CHECK(found.fresh == found.ticks);
@@ -55,7 +55,7 @@ TEST_CASE("a device that sends bytes of any length never moves the loop") {
   }
 }
 
-TEST_CASE("wild counts, replayed sequences, lies about its state, and silence: no command beyond the limits") {
+TEST_CASE("random counts, replayed sequences, false states and silence: no command beyond the limits") {
   for (const hal::DeviceProfile& profile : hal::all_profiles()) {
     double most_N = 0;
     std::uint64_t faults = 0;

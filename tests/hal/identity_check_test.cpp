@@ -60,7 +60,7 @@ TEST_CASE("the device of another description does not pass") {
   CHECK_FALSE(check_identity(*find_profile("desk3d"), 1000, virtuose).ok());
 }
 
-TEST_CASE("every difference that matters is told, with both figures and what to do") {
+TEST_CASE("every relevant difference is reported, with both figures and the remedy") {
   const DeviceProfile& p = *find_profile("virtuose6d");
   CHECK_THAT(verdict("virtuose6d", number::kProtocol, 2u), Contains("protocol version is 2") && Contains("firmware"));
   CHECK_THAT(verdict("virtuose6d", number::kPeriod, 500u), Contains("is 500") && Contains("has 1000; run at"));
@@ -100,7 +100,7 @@ TEST_CASE("every difference that matters is told, with both figures and what to 
   CHECK(verdict("desk3d", number::kQuantum + 4, 0.5).empty());  // an axis that is not there
 }
 
-TEST_CASE("a device that does not answer, or does not know a register, is told so in one line") {
+TEST_CASE("a device that does not answer, or lacks a register, gives one line") {
   const DeviceProfile& profile = *find_profile("virtuose6d");
   SpoiltLink link(profile);
   link.spoilt = number::kMaxEffort + 2;

@@ -99,7 +99,7 @@ std::string story(Rig& rig, std::uint64_t from, std::uint64_t to) {
 
 }  // namespace
 
-TEST_CASE("the delay from a sample to the effort that answers it is exactly what is asked for") {
+TEST_CASE("the delay from a sample to the effort that answers it is exactly the requested one") {
   for (const unsigned delay : {1u, 2u, 3u, 4u, 5u, 8u, 32u}) {
     Rig rig("", delay, HandModel());
     CHECK(rig.device.properties().delay_s == Approx(1e-3 * delay));
@@ -280,7 +280,7 @@ TEST_CASE("nan reaches the host as fresh samples that are not finite, and the fi
   CHECK(command.is_limp());
 }
 
-TEST_CASE("wild counts are finite, far away, and whole by their check") {
+TEST_CASE("random counts are finite, far away, and in frames with a valid checksum") {
   Rig rig("wild@100+20");
   rig.until(99);
   double largest = 0;

@@ -44,7 +44,7 @@ class Bits(unittest.TestCase):
                 session.step(ticks)
                 self.assertEqual(session.state_hash, expected)
 
-    def test_a_reset_begins_anew(self):
+    def test_a_reset_restarts_the_run(self):
         session = tactus.Session(bench.scene("press"))
         position = session.position
         session.step(500)

@@ -43,7 +43,7 @@ TEST_CASE("what a deep overlap could give is no motion, and what the hand takes 
   CHECK(balance.work_in_J == 0);
 }
 
-TEST_CASE("a scene that begins anew has its energy again") {
+TEST_CASE("a scene that is reset has its energy again") {
   EnergyBalance balance;
   balance.complete = true;
   balance.add(0, 10, 0, 0);

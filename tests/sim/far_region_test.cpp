@@ -43,7 +43,7 @@ TEST_CASE("A far stack presses as hard and sinks as deep as one near the proxy: 
   for (BodyId k = 0; k < 3; ++k) CHECK(sunk_m(2 + k) == Approx(sunk_m(5 + k)).epsilon(0.02));
 }
 
-TEST_CASE("What is near the proxy does not notice how the far region is stepped, bit by bit") {
+TEST_CASE("Bodies near the proxy have the same bits however the far region is stepped") {
   Bench alone(with_stacks({0})), beside(with_stacks({0, 3})), as_often(with_stacks({0, 3}, 4));
   for (int i = 0; i < 50; ++i) {
     alone.run(1);

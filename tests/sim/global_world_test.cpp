@@ -360,7 +360,7 @@ TEST_CASE("Interpolation: a device that moves on is followed, pass by pass, and 
   CHECK(norm(bench.body(0).motion.velocity.linear - velocity) < 1e-4);
 }
 
-TEST_CASE("Static: only the proxy is imposed, the other members come anew each time, without a border") {
+TEST_CASE("Static: only the proxy is imposed, the other members join again in each snapshot, without a border") {
   GlobalOptions options = slow_device();
   options.coupling = CouplingScheme::kStatic;
   options.extraction.cap = 3;

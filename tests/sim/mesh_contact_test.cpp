@@ -386,7 +386,7 @@ TEST_CASE("a ball that comes fast is stopped by a sheet: the margin looks a step
   CHECK(body.motion.pose.position.z > 0);
 }
 
-TEST_CASE("bodies near to too many triangles keep the nearest, and it is told") {
+TEST_CASE("bodies near to too many triangles keep the nearest, and that is reported") {
   MeshBench bench(flat_grid(60, 0.002, 2));
   auto& body = bench.add(Shape::box({0.05, 0.05, 0.01}), 1.0, 0.5, {{0, 0, 0.01}, {}});
   bench.run(3);

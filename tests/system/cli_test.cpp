@@ -290,7 +290,7 @@ TEST_CASE("a service that is told to stop ends well, where a run with a latched 
   std::filesystem::remove(config);
 }
 
-TEST_CASE("the program says which it is: version, commit, what it was built for, the kernel") {
+TEST_CASE("the program prints its version, commit, target and kernel") {
   const Output output = run("--version");
   CHECK(output.exit_code == 0);
   CHECK_THAT(output.out, Catch::StartsWith("tactus 0.") && Contains("(commit ") && Contains("x86-64") &&

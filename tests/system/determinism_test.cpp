@@ -128,7 +128,7 @@ TEST_CASE("a recorded real-time run replays with the same bits", "[threads]") {
   CHECK(report.value().unreplayable == 0);
 }
 
-TEST_CASE("a replay notices one changed bit of one input") {
+TEST_CASE("a replay detects one changed bit of one input") {
   const TemporaryFile tape;
   session::RunOptions options = virtual_options();
   options.record = tape.path();
@@ -209,7 +209,7 @@ TEST_CASE("a replay says what a damaged record took, and goes on at the next key
   CHECK(cut.value().lost_bytes == size - 1);
 }
 
-TEST_CASE("a disk that takes no more of a tape does not end the run, which says so") {
+TEST_CASE("a full disk ends the tape but not the run, which reports it") {
   const TemporaryFile tape;
   const std::string small = "bash -c 'ulimit -f 200; exec ";  // of 1024 bytes
   const std::string text = program_output(

@@ -152,7 +152,7 @@ struct ResetRun {
 
 }  // namespace
 
-TEST_CASE("a device that is reset at any tick of a run gives its force back without a step, and the run says why") {
+TEST_CASE("after a device reset at any tick of a run the force returns without a step, and the run reports why") {
   const auto wire = GENERATE(Wire::kUsb, Wire::kUsbLate, Wire::kClassicCan);
   const auto speed_m_per_s = GENERATE(0.03, 0.06);
   const auto periods = GENERATE(0u, 1u, 2u);

@@ -124,7 +124,7 @@ TEST_CASE("hil: a command with NaN that a newer one replaces is sent again") {
   }
 }
 
-TEST_CASE("hil: a device clock that runs fast is told to the part in a million") {
+TEST_CASE("hil: a device clock that runs fast is measured to one part in a million") {
   const double ppm = GENERATE(-2000.0, -400.0, 400.0, 2000.0);
   HilBench bench({.alter_state = [&](std::uint64_t, firmware::StateFrame& f) {
     f.time_us += static_cast<std::uint64_t>(static_cast<std::int64_t>(static_cast<double>(f.time_us) * ppm * 1e-6));
@@ -134,7 +134,7 @@ TEST_CASE("hil: a device clock that runs fast is told to the part in a million")
   CHECK((finding.verdict == CheckVerdict::kBad) == (std::abs(ppm) > 500));
 }
 
-TEST_CASE("hil: a device that brakes late, or forgets that it braked, is bad") {
+TEST_CASE("hil: a device that brakes late, or does not stay in BRAKE, is bad") {
   using firmware::State;
   SECTION("a watchdog that says that it counts slower") {
     HilBench bench({.alter_state = [](std::uint64_t, firmware::StateFrame& f) {

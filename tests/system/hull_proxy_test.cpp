@@ -53,7 +53,7 @@ TEST_CASE("a hull as proxy feels what a box of its shape feels") {
   CHECK(norm(box.force.back()) > 1);
   double most = 0;
   for (std::size_t k = 0; k < box.force.size(); ++k) most = std::max(most, norm(hull.force[k] - box.force[k]));
-  CHECK(most < 0.05);  // boxes that hardly move are carried over, hulls found anew
+  CHECK(most < 0.05);  // boxes that hardly move are carried over, hulls recomputed
 }
 
 TEST_CASE("a run with a hull as proxy on a mesh replays with the same bits") {

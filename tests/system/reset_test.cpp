@@ -1,4 +1,4 @@
-// The scene begins anew while the loop runs: every body where the scene puts it, no force meanwhile, and trials alike.
+// The scene is reset while the loop runs: every body where the scene puts it, no force meanwhile, and trials alike.
 #include "tests/system/session_bench.h"
 
 using namespace tactus;
@@ -48,7 +48,7 @@ TEST_CASE("a reset puts every body back, with the force off, whatever the coupli
   CHECK(session->driver->output().fault == Fault::kNone);
 }
 
-TEST_CASE("trials are equal: after a reset the hand goes its path anew, with the force that it had") {
+TEST_CASE("trials are equal: after a reset the hand repeats its path, with the same force") {
   session::RunOptions options = virtual_options();
   options.inject = "reset@1500,reset@4000";
   auto session = make_session(scene_text(kPressScene), options);

@@ -8,9 +8,9 @@
 // Commands: NAME N of a LinkFaults member sets it for N frames; `plug`, `unplug`, `halt_states`, `halt_commands`
 // (USB); `buttons N`; `motor-bus 0|1`; `jump COUNTS`: of axis 0, for one reading; `told_fault N`: all states tell BRAKE
 // and that fault, until 0; `hand restart`; `restart N` ends the device's program for N periods, motors off, and begins
-// it anew, as `serial TEXT`, `class N`, `period_us N` made it before; `read REGISTER`, `write REGISTER VALUE`, `execute
-// REGISTER VALUE` as another program would, answered by `answered status=N value=N`; `report` prints the truth so far;
-// `quit`. What happens is told as lines on standard output, see simulated_board.h.
+// it again, as `serial TEXT`, `class N`, `period_us N` made it before; `read REGISTER`, `write REGISTER VALUE`,
+// `execute REGISTER VALUE` as another program would, answered by `answered status=N value=N`; `report` prints the truth
+// so far; `quit`. What happens is told as lines on standard output, see simulated_board.h.
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -53,7 +53,7 @@ Options read_options(int argc, char** argv) {
   return options;
 }
 
-// What the device's program begins with when it is started anew, and when that is.
+// What the device's program begins with when it is restarted, and when that is.
 struct Restart {
   firmware::Identity identity;
   firmware::Config config;

@@ -146,7 +146,7 @@ TEST_CASE("a stop that was there and went between two looks stops every hand onc
   }
 }
 
-TEST_CASE("the drive enable is active while any hand wants force, the heartbeat while all tick") {
+TEST_CASE("the drive enable is active while any hand requests force, the heartbeat while all tick") {
   const auto hands = hal::HandLines::share(opened({.enable = GpioLine{4, false}, .heartbeat = GpioLine{6, false}}), 2);
   const auto enabled = [&](bool first, bool second) {
     hands[1]->enable(second);
@@ -170,7 +170,7 @@ TEST_CASE("the drive enable is active while any hand wants force, the heartbeat 
   }
 }
 
-TEST_CASE("outputs start inactive and follow what is asked") {
+TEST_CASE("outputs start inactive and follow the requests") {
   const bool low = GENERATE(false, true);
   const auto lines = opened({.enable = GpioLine{4, low}, .probe = GpioLine{5, low}, .heartbeat = GpioLine{6, low}});
   for (unsigned line = 4; line <= 6; ++line) CHECK(value_of(line) == (low ? 1 : 0));

@@ -1,4 +1,4 @@
-// Questions to a device on tactus' wire, one register after the other: all it tells, its fault log, and the registers
+// Reads from a device on tactus' wire, one register after the other: all registers, its fault log, and the registers
 // that a description needs.
 //
 // Thread: normal; no haptic loop uses the link meanwhile. Bound: kPatience for a reply; a device that stays busy is

@@ -15,7 +15,7 @@
 
 namespace tactus::device {
 
-// The tool was held there, and the drives told these angles.
+// The tool was held there, and the drives reported these angles.
 struct HeldPose {
   Posed device_from_tool;
   hal::AxisVector angle_rad{};
@@ -24,7 +24,7 @@ struct HeldPose {
 struct AxisCalibration {
   double sign{1}, offset_rad{0};
   double ratio_seen{0};
-  std::string doubt;  // why it is not to be believed; empty: nothing speaks against it
+  std::string doubt;  // why the result is rejected; empty: accepted
 };
 
 // The poses to hold after the centre: along each axis of the frame, and for an arm with a wrist turned about each.

@@ -1,4 +1,4 @@
-// Writes a description file of a device from few figures: those that only its builder knows are asked for, the others
+// Writes a description file of a device from few figures: the user gives those that only the builder has, the others
 // are estimates that the file marks.
 //
 // Thread: normal. Units in the names. The text is what hal/device_file.h reads; parse it to check it.
@@ -37,7 +37,7 @@ struct NewDescription {
   double watchdog_ms{10};
 };
 
-// A figure that is asked for: its option, the question, and where it goes.
+// A figure that the user gives: its option, the question, and where it goes.
 struct Question {
   const char* option;  // "--radius"
   const char* text;

@@ -13,19 +13,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-<<<<<<< HEAD
-=======
-struct LogAxis {  // decades from the least to the most, on the page from `start` to `end`
-  double low, high, start, end;
-
-  static LogAxis over(double least, double most, double start, double end) {
-    const double low = std::floor(std::log10(least)), high = std::ceil(std::log10(most));
-    return {.low = low, .high = high > low ? high : low + 1, .start = start, .end = end};
-  }
-  double at(double value) const { return start + (std::log10(value) - low) / (high - low) * (end - start); }
-};
-
->>>>>>> h-names
 ordered_json json_of(const std::vector<ScalingRow>& rows) {
   ordered_json list = ordered_json::array();
   for (const ScalingRow& row : rows)

@@ -3,8 +3,8 @@
 // The device is in IDLE except during a push. The force rises and falls at kSlope_N_per_s. It ends at once if the
 // device reports a fault, stops answering, or its tool moves by more than kMostMoved_m, because then nothing holds the
 // tool.
-// Thread: normal; in real time a thread of its own exchanges with the device, set up as asked, until the destructor;
-// stepped, the calls do. Frame: the device's. Units: SI.
+// Thread: normal; in real time a thread of its own exchanges with the device, set up as requested, until the
+// destructor; stepped, the calls do. Frame: the device's. Units: SI.
 #pragma once
 
 #include <atomic>

@@ -21,7 +21,7 @@ struct GainResult {
   double gain_per_Nm{0};
   double spread{0};    // largest distance of a reading from the line, as a share of the largest force
   double offset_N{0};  // that the line has at no command
-  std::string doubt;   // why it is not to be believed; empty: nothing speaks against it
+  std::string doubt;   // why the result is rejected; empty: accepted
 };
 
 class ScaleCalibration {

@@ -2,8 +2,8 @@
 // profile, with its encoders and the delay of its link. With a target the impedance of the scene's [hand] moves the
 // arm; with a wrench the wrench alone, with the hand's mass on the arm. No link, so no injected faults.
 //
-// Thread: one, in virtual time. Frame: targets, and what the owner is told, in the world; the Device's own interface in
-// the device's. Bound: read() takes the owner's time plus a constant.
+// Thread: one, in virtual time. Frame: targets, and what the owner receives, in the world; the Device's own interface
+// in the device's. Bound: read() takes the owner's time plus a constant.
 #pragma once
 
 #include <deque>
@@ -29,7 +29,7 @@ struct HandPush {
 };
 using HandWish = std::variant<HandPose, HandPush>;
 
-// What the hand feels when it is asked.
+// What the owner receives when it is called for a tick.
 struct HandAsked {
   std::uint64_t tick{0};  // whose sample the target leads to
   HandPose tool;          // as the encoders have it

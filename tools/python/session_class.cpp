@@ -257,7 +257,7 @@ void add_calls(py::class_<SessionObject>& session) {
           "Writes a tape of all ticks that follow, until close() or reset(). Before the first tick. With several hands "
           "one of each: my.tape of the first, my.2.tape of the second.")
       .def("reset", &SessionObject::reset,
-           "Begins anew: the same scene, options and hands, so the same bits. Views stay.")
+           "Restarts the run: the same scene, options and hands, so the same bits. Views stay.")
       .def("close", &SessionObject::close, "Ends the session and its tape; what it shows keeps its last values.")
       .def("save", &SessionObject::save, "The state of the run, for restore().")
       .def("restore", &SessionObject::restore, py::arg("saved"),

@@ -33,7 +33,7 @@ class SharedService {
   double log_interval_s() const noexcept { return log_interval_s_.load(); }
   unsigned reloads() const noexcept { return reloads_.load(); }  // so far
 
-  // Of every hand in turn, hand by hand from 0; tells systemd after the last.
+  // Of every hand in turn, hand by hand from 0; notifies systemd after the last.
   void tell_alive(unsigned hand, bool alive);
 
  private:

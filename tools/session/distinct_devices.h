@@ -16,7 +16,7 @@ struct NamedDevice {
 };
 
 // By hand. `profile_name`: of those without a file. Error, one line: which device, of which hand, and what is accepted.
-// A device or a file that is none is told where it is read, not here.
+// A device or a file that is not valid is reported where it is read, not here.
 Status check_distinct(std::span<const NamedDevice> devices, const std::string& profile_name);
 
 }  // namespace tactus::session

@@ -29,7 +29,7 @@ class TapedDevice {
 // Hardware opened for a run.
 struct Hardware {
   std::unique_ptr<hal::AnyDevice> device;
-  bool real{false};                      // its class keeps real time: it hears IDLE before it is armed
+  bool real{false};                      // its class keeps real time: it receives IDLE before it is armed
   std::string identity;                  // of a real device, as text; empty otherwise
   std::function<Status()> same_device;   // compares the device with the one opened; null: none
   std::unique_ptr<hal::HandLines> gpio;  // null without --gpio

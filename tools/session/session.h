@@ -90,7 +90,7 @@ class Session {
   std::unique_ptr<Driver> driver;
   std::vector<WorldStall> stalls;
   std::vector<std::uint64_t> resets;  // ticks in which the script resets the scene
-  // Resets that any of several hands was asked for: the others then ask for one too. Null with one hand.
+  // Resets requested of any of several hands: the others then reset too. Null with one hand.
   std::shared_ptr<std::atomic<std::uint32_t>> resets_of_all;
   loop::RunStats stats;
 

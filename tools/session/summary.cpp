@@ -132,7 +132,7 @@ std::string global_text(const RunSummary& s) {
   if (s.global.asleep > 0 || s.global.fell_asleep > 0)
     text += fmt::format("  {:<22} {} bodies awake, at most {}; {} asleep; {} fell asleep, {} woke up\n", "sleeping",
                         s.global.awake, s.global.most_awake, s.global.asleep, s.global.fell_asleep, s.global.woke_up);
-  if (s.global.resets > 0) text += fmt::format("  {:<22} {} times anew\n", "scene begun", s.global.resets);
+  if (s.global.resets > 0) text += fmt::format("  {:<22} {} times\n", "scene reset", s.global.resets);
   text += fmt::format("  {:<22} component of the proxy at most {} bodies; {} joins, {} leaves\n", "contact graph",
                       s.stats.component_max, s.global.joins, s.global.leaves);
   if (s.options.hands > 1)

@@ -1,4 +1,4 @@
-// What the operator of a run asks for at the terminal. Thread: main.
+// The operator's requests at the terminal. Thread: main.
 #pragma once
 
 #include <cstdint>

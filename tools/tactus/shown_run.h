@@ -25,9 +25,10 @@ class ShownRun {
   // Of a run in virtual time; `pacing` outlives this.
   void paced_by(const service::Pacing& pacing) noexcept { pacing_ = &pacing; }
   void take_setup(const loop::SetupReport& setup) { running_.take_setup(setup); }
-  // Says what is new. A fault that latched since the last call: its tape is being written, and said when it is there.
+  // Prints what is new. If a fault latched since the last call, its tape is being written, and is reported when
+  // complete.
   void look(const session::LiveStatus& live);
-  // The run's own summary has the last word.
+  // Publishes the run's summary as its final state.
   void end(const session::RunSummary& summary);
 
   void add_to(service::Watchable& watchable) noexcept;

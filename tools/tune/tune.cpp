@@ -114,14 +114,14 @@ class Bench {
   Trial measure(const Setting& setting) {
     const auto before =
         std::find_if(known_.begin(), known_.end(), [&](const Trial& t) { return t.setting == setting; });
-    Trial trial = before != known_.end() ? *before : measure_anew(setting);
+    Trial trial = before != known_.end() ? *before : measure_again(setting);
     trial.tick_us_p50 *= core_factor;
     trial.tick_us_p99 *= core_factor;
     return trial;
   }
 
  private:
-  Trial measure_anew(const Setting& setting) {
+  Trial measure_again(const Setting& setting) {
     experiment::SettingSums sums;
     experiment::measure_setting(request_.scene, profile_, setting, reference_, ratios_, sums);
     known_.push_back({.setting = setting,

@@ -37,10 +37,10 @@ class FaultViewer {
   std::condition_variable asked_;
   // Under the mutex.
   bool ends_{false};
-  unsigned number_{0}, taken_{0};  // of the tape asked for last; of the one that is open or was
+  unsigned number_{0}, taken_{0};  // of the tape requested last; of the one that is open or was
   std::string tape_, address_, error_;
 
-  std::atomic<bool> stop_{false};  // serving: another tape is asked for, or the end
+  std::atomic<bool> stop_{false};  // serving: another tape is requested, or the end
   std::thread thread_;
 };
 

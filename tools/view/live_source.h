@@ -44,7 +44,7 @@ class LiveSource final : public ViewSource {
   std::string scene_, state_;  // as the run says it
   std::uint64_t faults_{0};
   bool real_device_;
-  std::uint64_t hand_id_;  // who asks the run for the hand
+  std::uint64_t hand_id_;  // identifies this viewer when it requests the hand
   std::optional<FaultViewer> fault_viewer_;
 };
 

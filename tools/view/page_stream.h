@@ -21,7 +21,7 @@ class PageStream {
   // A new frame of the run is there; take() sends it, unless the next one comes first.
   void offer_frame() noexcept;
   void offer_ticks(const std::vector<publication::TickEntry>& ticks, std::uint64_t lost);
-  // The ticks that follow are of another time: those that wait are forgotten.
+  // The ticks that follow are of another time: those that wait are dropped.
   void restart() noexcept;
   // The page has taken over this message and all before it.
   void acknowledge(std::uint32_t number) noexcept;

@@ -44,7 +44,7 @@ class ViewServer {
   virtual ~ViewServer() = default;
 
   virtual std::string address() const = 0;  // with the token in its fragment
-  // Serves until `stop`, or until the run is over and its pages know.
+  // Serves until `stop`, or until the run is over and its pages are notified.
   virtual ViewReport serve(const std::atomic<bool>& stop) = 0;
 };
 

@@ -13,7 +13,7 @@
 
 namespace tactus::view {
 
-// What a page asked for came to, in words.
+// The result of a page's request, in words.
 struct Answer {
   bool ok{false};
   std::string said;

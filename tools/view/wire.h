@@ -22,7 +22,7 @@ inline constexpr std::uint32_t kWireVersion = 3;
 
 enum WireFlag : std::uint32_t {
   kHasFrame = 1u << 0,  // bodies, contacts and what is said of them are new; without it ticks alone
-  kRestarts = 1u << 1,  // the ticks begin anew, elsewhere in time: those before are forgotten
+  kRestarts = 1u << 1,  // the ticks restart at another time: earlier ones are dropped
   kIsFull = 1u << 2,    // bodies in their order, without indices
 };
 

@@ -80,7 +80,7 @@ inline constexpr BorderMode kDefaultBorder = BorderMode::kGhost;
 // The mode while the global world is late: its outside bodies are taken as at rest.
 inline constexpr BorderMode kLateBorder = BorderMode::kFrozen;
 
-// The mode of a world that nobody gave one: it has no border contacts. No choice of a border, but part of the world's
+// The mode of a world for which none was set: it has no border contacts. No choice of a border, but part of the world's
 // saved state, so tapes depend on it.
 inline constexpr BorderMode kUnusedBorder = BorderMode::kCapped;
 

@@ -19,7 +19,7 @@
 
 namespace tactus::physics {
 
-// What the step asks of the border.
+// The step's parameters for the border.
 struct BorderStep {
   BorderRule rule;
   double h;              // s: of a sub-step

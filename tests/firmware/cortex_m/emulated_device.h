@@ -58,7 +58,7 @@ class EmulatedDevice {
   void forget_waiting();
   // Until the device has written where a fault was.
   void await_fault();
-  // Until the device's frames begin anew.
+  // Until the device's frames start again.
   void await_restart();
   // The memory is ahead of the frames: what looked wrong in it may be a stop that the next frames tell of.
   bool stands_still_soon();

@@ -4,7 +4,7 @@
 // usage: image_test IMAGE MEMORY_FILE SYMBOL=ADDRESS...   The symbols: see kSymbols; addresses in hexadecimal.
 // The device runs on QEMU's clock, this program on the PC's: so all that is checked is about the device's own frames,
 // in their order, never about the time between them. Where the PC stood still for some periods, which the device's
-// time stamps show, the scenario begins anew. One line per scenario; exit status 0 if all are good.
+// time stamps show, the scenario starts again. One line per scenario; exit status 0 if all are good.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

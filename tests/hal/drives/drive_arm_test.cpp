@@ -50,7 +50,7 @@ TEST_CASE("drives: the pose is the plant's, to a quantum, for every family and b
         4 * six.profile.properties.rotation_quantum_rad);
 }
 
-TEST_CASE("drives: nothing is enabled before force is wanted, nor after it is not wanted any more") {
+TEST_CASE("drives: no drive is enabled before force is requested, nor after the request ends") {
   for (const DriveFamily family : kFamilies) {
     CAPTURE(codec_of(family).name);
     Bench bench(point_arm_of(family));

@@ -165,7 +165,7 @@ TEST_CASE("RobStride: an exact zero, a torque in the identifier, damping") {
   CHECK(encoded(DriveAction::kClear) == frame_of(0x0400fd01, {1, 0, 0, 0, 0, 0, 0, 0}, true));
 }
 
-TEST_CASE("RobStride: answers tell motor, faults and mode in the identifier, and a parameter that is not there") {
+TEST_CASE("RobStride: answers contain motor, faults and mode in the identifier, and report a missing parameter") {
   const FamilyAxis robstride{DriveFamily::kRobStride, kRs00};
   const DriveAnswer runs = answer_of(robstride, frame_of(0x028001fd, {0xff, 0xfe, 0x7f, 0xff, 0, 0, 1, 0x2c}, true));
   CHECK(runs.position_rad == Approx(4 * kPi));
@@ -204,7 +204,7 @@ TEST_CASE("moteus: a torque command with its query, and the actions") {
   CHECK(moteus_read(5, MoteusRegister::kModel, 3) == frame_of(0x8005, {0x1b, 0x80, 0x02}, true, true));
 }
 
-TEST_CASE("the damping that the gain check counts is that of the frame, and never more than was asked for") {
+TEST_CASE("the damping that the gain check counts is that of the frame, and never more than requested") {
   for (const FamilyAxis& of : kAll) {
     if (!codec_of(of.family).damps) continue;
     CAPTURE(codec_of(of.family).name);

@@ -48,7 +48,7 @@ TEST_CASE("drives: a moteus that restarts, however shortly, or that another prog
     }
 }
 
-TEST_CASE("drives: while a moteus starts, FORCE is told and no drive gets a torque") {
+TEST_CASE("drives: while a moteus starts, the arm reports FORCE and no drive gets a torque") {
   Bench bench(point_arm_of(DriveFamily::kMoteus), held_at({}));
   bench.device->world().drive(2).set_start(0.03);
   bench.command.wrench.force = {2, 0, 0};
@@ -66,7 +66,7 @@ TEST_CASE("drives: while a moteus starts, FORCE is told and no drive gets a torq
   CHECK(bench.force_N() > 1.9);
 }
 
-TEST_CASE("drives: a moteus that does not come to its end with starting brakes the arm, and is told so") {
+TEST_CASE("drives: a moteus that does not finish starting brakes the arm, and the fault names it") {
   Bench bench(point_arm_of(DriveFamily::kMoteus), held_at({}));
   bench.device->world().drive(2).set_start(1);
   bench.want(DeviceState::kForce, 50);

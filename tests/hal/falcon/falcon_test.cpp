@@ -55,7 +55,7 @@ TEST_CASE("falcon: a running firmware is used as it is, without an image") {
   CHECK(port.image_bytes() == 0);
 }
 
-TEST_CASE("falcon: without firmware and without an image it says what is wanted") {
+TEST_CASE("falcon: without firmware and without an image the error names what is needed") {
   SimulatedFalconPort port(HandModel(), kFalconGain, kPeriod_ns, false);
   CHECK_THAT(start_falcon(port, {}).message(), Contains("falcon:FILE"));
 }

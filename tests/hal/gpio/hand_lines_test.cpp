@@ -57,7 +57,7 @@ TEST_CASE("one e-stop stops every hand for as long as it is pressed") {
   for (auto& hand : hands.each) CHECK_FALSE(hand->estop());
 }
 
-TEST_CASE("a press between two ticks is told to every hand once, whichever reads it") {
+TEST_CASE("a press between two ticks is reported to every hand once, whichever reads it") {
   const unsigned reader = GENERATE(0u, 1u, 2u);
   Hands hands(3);
   hands.lines->press();
@@ -67,7 +67,7 @@ TEST_CASE("a press between two ticks is told to every hand once, whichever reads
   for (auto& hand : hands.each) CHECK_FALSE(hand->estop());
 }
 
-TEST_CASE("a hand whose thread has ended makes no other blind") {
+TEST_CASE("a hand whose thread has ended does not hide the e-stop from the others") {
   Hands hands(2);
   hands.lines->press();
   CHECK(hands.each[1]->estop());  // the first never ticks
@@ -118,7 +118,7 @@ TEST_CASE("every press reaches the threads of all hands", "[threads]") {
   CHECK(all);
 }
 
-TEST_CASE("the drives are enabled while any hand wants force, and off at the end") {
+TEST_CASE("the drives are enabled while any hand requests force, and off at the end") {
   Hands hands(2);
   hands.each[1]->enable(true);
   CHECK_FALSE(hands.lines->enabled);  // the first hand's thread sets the line

@@ -154,7 +154,7 @@ TEST_CASE("the singular wrist gives finite answers") {
   }
 }
 
-TEST_CASE("a stretched, a folded and an upright arm give answers bounded by what the header says") {
+TEST_CASE("a stretched, a folded and an upright arm have results within the header's bounds") {
   // 1 m/s: the yaw turns at 1 / (0.1 forearm) at most, the others at 1 / (link x 0.17).
   const double arm_rate = 1.0 / (0.4 * kCosPitchLimit) + 1e-12, yaw_rate = 1.0 / (0.1 * 0.4) + 1e-12;
   Random random(7);
@@ -208,7 +208,7 @@ TEST_CASE("the coordinates of a pose give the pose") {
   });
 }
 
-TEST_CASE("what is said of a whole workspace holds at poses that nobody looked at") {
+TEST_CASE("the bounds of a whole workspace hold at poses that were not sampled") {
   for (const DeviceProfile& profile : all_profiles()) {
     CAPTURE(profile.name);
     Random random(7);

@@ -63,7 +63,7 @@ std::unique_ptr<SdkDevice> open_device() {
 
 }  // namespace
 
-TEST_CASE("dhd: a library that is not there, or lacks a function, is one line that says which") {
+TEST_CASE("dhd: a missing library, or one that lacks a function, gives one line with its name") {
   const auto nowhere = DhdLibrary::load("/nowhere");
   REQUIRE_FALSE(nowhere.ok());
   CHECK_THAT(nowhere.message(), Contains("is not found") && Contains("accepted: dhd:FOLDER"));
@@ -225,7 +225,7 @@ TEST_CASE("dhd: a library of another version is refused, with both versions") {
   (void)reset();
 }
 
-TEST_CASE("dhd: a watchdog that cannot be set is said with the device's name, and no text is no crash") {
+TEST_CASE("dhd: a watchdog that cannot be set is reported with the device's name, and a missing text is no crash") {
   StandIn& d = reset();
   d.refuses_expert = true;
   {

@@ -67,7 +67,7 @@ std::unique_ptr<SdkDevice> open_device() {
 
 }  // namespace
 
-TEST_CASE("openhaptics: a library that is not there, or lacks a function, is one line that says which") {
+TEST_CASE("openhaptics: a missing library, or one that lacks a function, gives one line with its name") {
   const auto nowhere = HdLibrary::load("/nowhere");
   REQUIRE_FALSE(nowhere.ok());
   CHECK_THAT(nowhere.message(), Contains("is not found") && Contains("accepted: openhaptics:FOLDER"));
@@ -246,7 +246,7 @@ TEST_CASE("openhaptics: forces that go off by themselves, or are refused, are fa
   CHECK(loop.push({1, 0, 0}, d.forces_on));
 }
 
-TEST_CASE("openhaptics: it is calibrated where it wants to be and gives no force, and in FORCE that is a fault",
+TEST_CASE("openhaptics: a device that requests calibration is calibrated without force, and in FORCE that is a fault",
           "[threads]") {
   HdStandIn& d = reset();
   d.calibration = 0x5002;  // a person has to do something

@@ -48,7 +48,7 @@ TEST_CASE("a value begins as zeros: nothing uninitialised crosses a thread", "[b
 }
 
 // The memory orders are proven by tests/tsan/double_buffer_race.cpp; this runs the protocol in every build.
-TEST_CASE("two threads that follow the exchange see every value whole", "[base][threads]") {
+TEST_CASE("two threads that follow the protocol of the exchange read no torn value", "[base][threads]") {
   constexpr std::uint64_t kCycles = 20'000;
   DoubleBuffer<Payload> down, up;
   down.writing(0) = payload_of(0);

@@ -54,7 +54,7 @@ TEST_CASE("the checksum of the nine digits is the one that the standard gives", 
   CHECK(Crc32().value() == 0u);
 }
 
-TEST_CASE("the checksum sees every burst of up to 32 bits, and does not depend on the pieces", "[base]") {
+TEST_CASE("the checksum detects every burst of up to 32 bits, and does not depend on the pieces", "[base]") {
   std::mt19937 random(1);
   std::vector<std::byte> bytes(64);
   for (auto& b : bytes) b = static_cast<std::byte>(random());

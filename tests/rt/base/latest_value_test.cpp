@@ -83,7 +83,7 @@ TEST_CASE("in any order of both sides' calls the newest value is taken, and ever
 }
 
 // The memory orders are proven by tests/tsan/latest_value_race.cpp; this runs the protocol in every build.
-TEST_CASE("two threads at rates of their own see values whole, in order, and all accounted for", "[base][threads]") {
+TEST_CASE("two threads at different rates read values untorn and in order, and all are counted", "[base][threads]") {
   constexpr std::uint64_t kValues = 100'000;
   LatestValue<Payload> exchange;
   std::atomic<bool> done{false};

@@ -82,7 +82,7 @@ TEST_CASE("a record that was begun but not committed is not there, and its room 
   CHECK(ring.try_pop(record, out) == Pop::kEmpty);
 }
 
-TEST_CASE("a record larger than the consumer's span is skipped, and tells its size", "[base]") {
+TEST_CASE("a record larger than the consumer's span is skipped, and its size is returned", "[base]") {
   Ring ring(256);
   const std::array<std::byte, 40> large{};
   const std::array<std::byte, 3> small{std::byte{7}};

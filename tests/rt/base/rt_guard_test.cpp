@@ -82,7 +82,7 @@ TEST_CASE("the guard counts allocations and frees of every kind", "[base]") {
   CHECK(changed.frees == 2);
 }
 
-TEST_CASE("the guard sees a vector grow, and one that has room not", "[base]") {
+TEST_CASE("the guard counts the allocation of a vector that grows, and none of one with capacity", "[base]") {
   TACTUS_NEEDS(RtGuard::available(), "counting allocations needs a build without a sanitizer");
   std::vector<int> numbers;
   numbers.reserve(4);

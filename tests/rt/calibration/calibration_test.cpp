@@ -93,7 +93,7 @@ TEST_CASE("times that are off by three in a hundred move the prediction of a hea
   }
 }
 
-TEST_CASE("no cost is negative, whatever the clock said") {
+TEST_CASE("no cost is negative, whatever the clock returned") {
   test::Random random(7);
   for (int i = 0; i < 200; ++i) {
     CalibrationTimes times = measured();

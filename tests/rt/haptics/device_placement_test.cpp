@@ -65,7 +65,7 @@ TEST_CASE("without a clutch the target is the scaled tool in the device's place"
   CHECK(norm(hand.torque - Vec3d{1, 0, 0}) < 1e-14);
 }
 
-TEST_CASE("a clutch puts the target where it is asked, from anywhere, again and again") {
+TEST_CASE("a clutch moves the target to the requested pose, from anywhere and repeatedly") {
   Random random(21);
   DevicePlacement placement{};
   for (int i = 0; i < 2000; ++i) {

@@ -52,7 +52,7 @@ struct Running {
 
 }  // namespace
 
-TEST_CASE("a steady stream is believed, the first sample re-bases and the force is whole") {
+TEST_CASE("a steady stream is accepted, the first sample re-bases and the force is not reduced") {
   InputGuard guard = make_guard();
   Stream stream;
   for (int i = 0; i < 100; ++i) {
@@ -176,7 +176,7 @@ TEST_CASE("refused samples of mixed kinds count together, lost frames between th
   CHECK(r.guard.accept(r.stream.fresh({}, {0, 0, 0, 0})).fault == Fault::kInputRotation);
 }
 
-TEST_CASE("ten ticks without a believed sample are a fault, also when the tenth is only the first refused") {
+TEST_CASE("ten ticks without an accepted sample are a fault, also when the tenth is only the first refused") {
   Running r;
   for (int i = 0; i < 9; ++i) REQUIRE(r.guard.accept(r.stream.lost()).fault == Fault::kNone);
   CHECK(r.guard.accept(r.stream.fresh({kNaN, 0, 0})).fault == Fault::kInputNotFinite);
@@ -207,7 +207,7 @@ TEST_CASE("the jump limit is one and a half times the device's speed over the ti
   }
 }
 
-TEST_CASE("a believed rotation is of unit length and on the side of the one before") {
+TEST_CASE("an accepted rotation has unit length and the sign of the one before") {
   InputGuard guard = make_guard();
   Stream stream;
   std::mt19937_64 random(11);
@@ -293,7 +293,7 @@ TEST_CASE("a latched fault stays, whatever comes, until rearm, then the first go
   }
   r.guard.rearm();
   CHECK(r.guard.accept(r.stream.lost()).force_scale == 0.0);
-  r.stream.input.sample.sequence = 3;  // the device started anew
+  r.stream.input.sample.sequence = 3;  // the device restarted
   r.stream.input.sample.device_time_ns = 17;
   const GuardedInput out = r.guard.accept(r.stream.fresh({0.15, 0, 0}, {0, 1, 0, 0}));
   CHECK(out.valid);

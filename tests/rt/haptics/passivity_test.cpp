@@ -208,7 +208,7 @@ TEST_CASE("rotation has an energy balance of its own: a spring's energy does not
   CHECK(port.state.rotation.alpha == Approx(0.005));
 }
 
-TEST_CASE("slower than the device can tell, nothing is damped, and the debt is kept") {
+TEST_CASE("below the speed that the device resolves, nothing is damped, and the energy debt is kept") {
   Passivity port = make_port();
   port.state.translation.energy_J = -1e-3;
   const Wrenchd wanted{{1, 2, 3}, {}};
@@ -256,7 +256,7 @@ TEST_CASE("of a delay between two ticks both wrenches count, each for its part o
   CHECK(port.state.translation.out_J == Approx(kT * (0.75 * 4 + 0.25 * 8)));
 }
 
-TEST_CASE("damping that is under way is not asked for again") {
+TEST_CASE("damping that is already on its way is not requested again") {
   Passivity port = make_port(2);
   const Twistd v{{0.4, 0, 0}, {}};
   port.record_sent({{1, 0, 0}, {}});

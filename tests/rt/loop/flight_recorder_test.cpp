@@ -167,12 +167,12 @@ TEST_CASE("after a lost record a keyframe follows as soon as there is room") {
   CHECK(lost_before + after.front().head.lost_before == dropped);
   CHECK(tick_of(after.back()).out.tick == bench.out.tick);
   CHECK(bench.recorder.dropped() == dropped);
-  // And only one: the interval begins anew.
+  // And only one: the interval starts again.
   for (int i = 0; i < 5; ++i) bench.tick();
   for (const auto& record : bench.drain()) CHECK(record.head.kind != kKeyframeRecord);
 }
 
-TEST_CASE("recording neither allocates nor locks, nor changes what the loop says") {
+TEST_CASE("recording neither allocates nor locks, nor changes the output of the loop") {
   Bench recorded(1u << 20, 5), full(1u << 10, 5);
   const test::RtGuard guard;
   for (int t = 0; t < 100; ++t) {

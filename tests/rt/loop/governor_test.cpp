@@ -207,7 +207,7 @@ TEST_CASE("the member budget never falls below its least, nor above what was ask
   }
 }
 
-TEST_CASE("two governors that saw the same counts say the same") {
+TEST_CASE("two governors with the same counts decide the same") {
   test::Random random(11);
   GovernorConfig config = make_config();
   config.members = 200;

@@ -138,7 +138,7 @@ TEST_CASE("one or two missing frames are no fade: the force comes back as it wen
   }
 }
 
-TEST_CASE("a device that misses commands fades, and what it is told next is no more than it has left") {
+TEST_CASE("a device that misses commands fades, and the next command is no more than the force that is left") {
   Bench bench;
   bench.hold({5e-3, 0, 0});
   const double whole = kStiffness * 5e-3;
@@ -229,7 +229,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a device that has not heard yet that FORCE is wanted refuses nothing, and one that is told to leave may") {
+TEST_CASE("a device that has not received the request for FORCE yet refuses nothing, and one may leave on request") {
   Bench bench;
   bench.run(3);
   bench.deaf = true;

@@ -78,7 +78,7 @@ TEST_CASE("after engaging the force comes in over 0.2 s") {
   }
 }
 
-TEST_CASE("disarming ends the force under the slew limit, and wins over what else is asked for") {
+TEST_CASE("disarming ends the force under the slew limit, and has priority over other requests") {
   Bench bench;
   bench.hold({5e-3, 0, 0});
   REQUIRE(bench.force() == Approx(kStiffness * 5e-3).epsilon(1e-6));
@@ -383,7 +383,7 @@ std::vector<std::byte> saved(const HapticLoop& loop) {
 
 }  // namespace
 
-TEST_CASE("whatever the device sends, what it is told is finite, within its limits, and nothing when it is idle") {
+TEST_CASE("whatever the device sends, its command is finite, within its limits, and zero when it is idle") {
   std::uint64_t forceful = 0, faults = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     Chaos chaos(seed);
@@ -422,7 +422,7 @@ TEST_CASE("whatever the device sends, what it is told is finite, within its limi
   CHECK(faults > 30);
 }
 
-TEST_CASE("a loop restored at any tick says the same, byte by byte") {
+TEST_CASE("a loop restored at any tick has the same output, byte by byte") {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Chaos original(seed);
     auto copy = std::make_unique<Chaos>(seed);

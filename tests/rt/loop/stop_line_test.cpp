@@ -7,7 +7,7 @@ using namespace tactus;
 using namespace tactus::loop;
 using namespace tactus::test::haptic_loop_bench;
 
-TEST_CASE("an active e-stop line is zero force and BRAKE wanted in the same tick, and latches") {
+TEST_CASE("an active e-stop line gives zero force and requests BRAKE in the same tick, and latches") {
   Bench bench;
   bench.hold({0.002, 0, 0});
   REQUIRE(bench.force() == Approx(0.002 * kStiffness).epsilon(0.02));

@@ -28,7 +28,7 @@ std::vector<Record> drained(TickProbe& probe) {
 
 }  // namespace
 
-TEST_CASE("windows take turns and know how far into them a deadline is") {
+TEST_CASE("windows alternate and give how far into them a deadline is") {
   const WindowPlan plan{100, 50, 20};
   CHECK(plan.at(0) == WindowKind::kLoop);
   CHECK(plan.at(99) == WindowKind::kLoop);

@@ -86,7 +86,7 @@ TEST_CASE("Many bodies that come at once, between the others, are as if they had
   }
 }
 
-TEST_CASE("Many bodies for whom there is no room: none comes, and the report says so") {
+TEST_CASE("Many bodies beyond the capacity: none is added, and the report says so") {
   PhysicsBench bench({10, 4, 64, 64, 0});
   add_stacks(bench);
   std::vector<Body> coming;

@@ -333,7 +333,7 @@ TEST_CASE("Bytes that are short or hold too much are refused and leave an empty 
   CHECK_FALSE(copy.world.restore(in));
 }
 
-TEST_CASE("Damaged bytes are refused or give a world that can be asked, never a slot that is not there") {
+TEST_CASE("Damaged bytes are refused or give a world that can be queried, never a missing slot") {
   PhysicsBench bench;
   insert_all(bench, heap(8));
   bench.run(50);

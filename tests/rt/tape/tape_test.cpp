@@ -85,7 +85,7 @@ bool one_line(const std::string& text) { return !text.empty() && !contains(text,
 
 }  // namespace
 
-TEST_CASE("a tape gives back its text, its ISA tag and its records, empty and large ones too", "[loop]") {
+TEST_CASE("a tape returns its text, its ISA tag and its records, empty and large ones too", "[loop]") {
   const TemporaryFile file;
   auto records = some_records(1, 200, 5000);
   records.push_back({7, Bytes(3u << 20, std::byte{9})});  // larger than any buffer
@@ -147,7 +147,7 @@ TEST_CASE("a tape cut off at any byte gives all records before the cut, and says
   }
 }
 
-TEST_CASE("any flipped bit is noticed, and the records before it are read", "[loop]") {
+TEST_CASE("any flipped bit is detected, and the records before it are read", "[loop]") {
   const TemporaryFile file;
   const auto records = some_records(3, 4, 20);
   write_tape(file.path(), records);
@@ -199,7 +199,8 @@ TEST_CASE("each kind of damage has its own line", "[loop]") {
   CHECK(contains(read_tape("/tmp").open_error, "cannot be read"));
 }
 
-TEST_CASE("behind a damaged record the reader goes on at the next one, and says how many bytes are lost", "[loop]") {
+TEST_CASE("after a damaged record the reader continues at the next one, and reports how many bytes are lost",
+          "[loop]") {
   const TemporaryFile file;
   auto records = some_records(7, 6, 300);
   for (std::size_t i = 0; i < records.size(); ++i) records[i].kind = 1 + static_cast<std::uint32_t>(i % 3);
@@ -277,7 +278,7 @@ TEST_CASE("a size that the file does not have costs no memory of that size", "[l
   CHECK(contains(back.damage, "cut off"));
 }
 
-TEST_CASE("what cannot be written is said, with the name of the tape", "[loop]") {
+TEST_CASE("a failed write is reported with the name of the tape", "[loop]") {
   const auto nowhere = TapeWriter::create("/nonexistent/x.tape", kText);
   REQUIRE(!nowhere.ok());
   CHECK(contains(nowhere.message(), "/nonexistent/x.tape"));
@@ -310,7 +311,7 @@ TEST_CASE("a file that is no tape is not written over, a tape and an empty file 
   }
 }
 
-TEST_CASE("a full disk is told when the tape is made, and stays told", "[loop]") {
+TEST_CASE("a full disk is reported when the tape is created, and stays reported", "[loop]") {
   TACTUS_NEEDS(access("/dev/full", W_OK) == 0, "there is no /dev/full");
   const auto full = TapeWriter::create("/dev/full", kText);
   REQUIRE(!full.ok());
@@ -342,7 +343,7 @@ class FileSizeLimit {
 
 }  // namespace
 
-TEST_CASE("a tape that grows no more says how many records it has, and has them", "[loop]") {
+TEST_CASE("a tape that cannot grow reports how many records it has, and has them", "[loop]") {
   // Ends in the second buffer, within a record; at a record's last byte; in the first buffer.
   REQUIRE(std::strlen(kText) == 23);
   constexpr std::size_t kPayload = 1000, kRecord = kPayload + 12, kHeader = 40 + 23 + 4;

@@ -7,7 +7,7 @@
 
 using tactus::text::read_file;
 
-TEST_CASE("a file is read whole, one above the limit up to a byte more, and what cannot be read is said") {
+TEST_CASE("a file is read completely, one above the limit up to a byte more, and an unreadable one is reported") {
   const tactus::test::TemporaryFile file;
   std::ofstream(file.path()) << "twelve bytes";
   CHECK(read_file(file.path(), 100) == "twelve bytes");

@@ -165,7 +165,7 @@ TEST_CASE("a wake-up is late beyond the limit, not at it", "[loop]") {
   CHECK(run.health.late_wakes == 1);
 }
 
-TEST_CASE("the tick sees the health up to the tick before", "[loop]") {
+TEST_CASE("the tick receives the health counters up to the tick before", "[loop]") {
   std::vector<std::uint64_t> seen;
   FakeClock clock;
   TimingHealth health;

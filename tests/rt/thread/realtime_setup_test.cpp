@@ -176,7 +176,7 @@ TEST_CASE("a page mapped after memory is locked is there before it is touched", 
   CHECK(failed == 0);
 }
 
-TEST_CASE("a priority that is asked for is had", "[loop]") {
+TEST_CASE("a requested priority is set", "[loop]") {
   const int failed = in_own_process([](Claims& claims) {
     SetupRequest request;
     request.priority = 10;
@@ -232,7 +232,7 @@ TEST_CASE("a cpu or a priority that does not exist is refused, with what is acce
   CHECK(failed == 0);
 }
 
-TEST_CASE("the stack that was asked for is touched: using it later faults no more", "[loop][threads]") {
+TEST_CASE("the requested stack is touched at the start: later use causes no page fault", "[loop][threads]") {
   struct Answer {
     bool ok{false};
     std::uint64_t faults{0};

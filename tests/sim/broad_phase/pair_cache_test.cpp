@@ -96,7 +96,7 @@ TEST_CASE("Kept pairs come in the order of their keys, so that a world need not 
   CHECK(cache.work().kept == 19);
 }
 
-TEST_CASE("More pairs than there is room for: what fits is found, and it is said") {
+TEST_CASE("More pairs than the capacity: those that fit are found, and the overflow is reported") {
   Boxes boxes(40, Aabb{{0, 0, 0}, {1, 1, 1}});  // 780 pairs
   PairCache cache(40, 100);
   for (int step = 0; step < 20; ++step) {

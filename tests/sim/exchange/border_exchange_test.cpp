@@ -299,7 +299,7 @@ TEST_CASE("When border points do not fit, those that press least are left out an
   }
 }
 
-TEST_CASE("An outside body that slides to rest is told with its deceleration, one that trembles or stops without") {
+TEST_CASE("An outside body that slides to rest is reported with its deceleration, one that vibrates or stops without") {
   auto world = card_on_slab();
   BorderExchange log(4, 16, 0, kRigid);
   auto border = std::make_unique<Border>();
@@ -320,7 +320,7 @@ TEST_CASE("An outside body that slides to rest is told with its deceleration, on
   CHECK(stopping == Vec3d{});
 }
 
-TEST_CASE("An outside body is told as it moved") {
+TEST_CASE("An outside body is reported with its motion") {
   auto world = card_on_slab();
   step(*world);
   BorderExchange log(4, 16, 0, kRigid);

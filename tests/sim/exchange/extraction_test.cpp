@@ -264,7 +264,7 @@ TEST_CASE("A member that no longer qualifies stays four more cycles while there 
   bench.touches.clear();
   for (int cycle = 0; cycle < 4; ++cycle) CHECK(bench.choose() == Chosen{0, 1, 2});
   SECTION("then it goes") { CHECK(bench.choose() == Chosen{0}); }
-  SECTION("touched again it begins anew") {
+  SECTION("touched again it starts from zero") {
     bench.link(0, 1);
     CHECK(bench.choose() == Chosen{0, 1});
     bench.touches.clear();

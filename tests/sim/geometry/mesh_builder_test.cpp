@@ -94,7 +94,7 @@ TEST_CASE("a sheet with two sides joins each side to itself") {
   check_neighbours(made.mesh);
 }
 
-TEST_CASE("triangles that do not agree on what is outside are told, and joined to nothing") {
+TEST_CASE("triangles of opposite orientation are reported, and joined to none") {
   TriangleSoup soup = flat_grid(3, 0.1, 1);
   std::swap(soup.triangles[8][1], soup.triangles[8][2]);  // of the middle cell: three neighbours
   const BuiltMesh made = built(soup);

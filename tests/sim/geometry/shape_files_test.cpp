@@ -50,7 +50,7 @@ TEST_CASE("An STL file in text and one in binary give the corners of their trian
   }
 }
 
-TEST_CASE("What is wrong with a file is said with its place") {
+TEST_CASE("Each mistake in a file is reported with its place") {
   const auto wrong = [](const Result<std::vector<Vec3d>>& result) {
     REQUIRE_FALSE(result.ok());
     return result.message();

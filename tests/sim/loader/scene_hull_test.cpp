@@ -173,7 +173,7 @@ TEST_CASE("A convex closed file is taken as a hull without a word, and so are co
   CHECK(warnings_for("v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\n").empty());
 }
 
-TEST_CASE("The largest gap between a file's surface and its hull is said, in mm, and where") {
+TEST_CASE("The largest gap between a file's surface and its hull is reported, in mm, with its place") {
   // Two cubes of 20 mm, 60 mm apart: in the middle of the hull's sides the nearest surface is 30 mm away.
   const auto apart = warnings_for(obj_box({0, 0, 0}, {20, 20, 20}, 0) + obj_box({80, 0, 0}, {100, 20, 20}, 8));
   REQUIRE(apart.size() == 1);

@@ -73,7 +73,7 @@ TEST_CASE("an effect that is declared and not used is a warning, and no world ha
   }
 }
 
-TEST_CASE("keys of effects are read into what the worlds are told") {
+TEST_CASE("keys of effects are read into the options of the worlds") {
   const Scene scene = good(
       "effects = [\"friction\", \"damping\", \"drag\", \"kinematic\", \"restitution\", \"torsional\", \"rolling\", "
       "\"attraction\"]\n"

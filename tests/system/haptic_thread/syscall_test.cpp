@@ -13,13 +13,13 @@ TEST_CASE("after its start the haptic thread asks the kernel for the time and fo
   CHECK(counts.cycles > 50);
 }
 
-TEST_CASE("one system call too many in one tick is seen", "[no-asan][no-tsan]") {
+TEST_CASE("one system call too many in one tick is detected", "[no-asan][no-tsan]") {
   const Counts counts = run_trial({.ticks = 100, .misbehave = true});
   CHECK(counts.refused == 1);
   CHECK(counts.first_refused == SYS_getpid);
 }
 
-TEST_CASE("as fast as it goes it asks for nothing either", "[no-asan][no-tsan]") {
+TEST_CASE("without pacing it makes no other system call either", "[no-asan][no-tsan]") {
   const Counts counts = run_trial({.ticks = 20'000, .pace = Pace::kAsFastAsItGoes});
   check_clean(counts, 20'000);
   CHECK(counts.cycles > 1'800);

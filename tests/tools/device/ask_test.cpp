@@ -41,7 +41,7 @@ TEST_CASE("a register is found by its name, one of a family by its index, and by
   CHECK(name_of(*named("period").row, 0) == "period");
 }
 
-TEST_CASE("what is no register is told with the nearest name and what is accepted") {
+TEST_CASE("an unknown register is refused with the nearest name and the accepted ones") {
   CHECK_THAT(find_by_name("max_efort").message(), Contains("did you mean max_effort?"));
   CHECK_THAT(find_by_name("max_effort[6]").message(), Contains("max_effort[0] to max_effort[5]"));
   CHECK_THAT(find_by_name("max_effort[1").message(), Contains("accepted"));

@@ -95,7 +95,7 @@ TEST_CASE("the calibrated text has the new signs and offsets, and every other li
   }
 }
 
-TEST_CASE("a free arm tells its drives' angles, and a drive that is enabled or silent by its axis") {
+TEST_CASE("a free arm reports its drives' angles, and names the axis of a drive that is enabled or silent") {
   const auto profile = hal::load_device_file(kFiles[0]);
   REQUIRE(profile.ok());
   hal::SimulatedDrives world(profile.value(), hal::HandModel(), 1'000'000);
@@ -110,7 +110,7 @@ TEST_CASE("a free arm tells its drives' angles, and a drive that is enabled or s
   CHECK_THAT(arm.poll().message(), Contains("axis 1 (drive 2) does not answer"));
 }
 
-TEST_CASE("a drive near the end of its range is told") {
+TEST_CASE("a drive near the end of its range is reported") {
   const hal::DriveAxis axis{.position_range_rad = 4};
   CHECK(range_share(axis, -3.8, 1) == Approx(0.95));
   CHECK(range_share(axis, -1, 2) == Approx(0.5));

@@ -77,7 +77,7 @@ TEST_CASE(
       }
 }
 
-TEST_CASE("gain: what makes no sense is a doubt that says so") {
+TEST_CASE("gain: implausible readings are rejected with the reason") {
   ScaleCalibration nothing(10000, 8);
   CHECK_THAT(nothing.take(newtons(2)), Contains("does not rest"));
   ScaleCalibration far_off(10000, 8);

@@ -65,7 +65,7 @@ TEST_CASE("A share is of the thinner body, the rods count and their depth in the
   CHECK(overlaps.mean_m == Approx(0.005 / 3));
 }
 
-TEST_CASE("A pose that is not finite is told") {
+TEST_CASE("A pose that is not finite is reported") {
   const BoxScene scene = three_cubes();
   OverlapJudge judge(scene);
   auto poses = poses_of(scene);

@@ -159,7 +159,7 @@ TEST_CASE("what the loader does not accept is said beside what a scene cannot ha
                                              Contains("both.xml:2: ") && Contains("mass_kg: 1e-09 is not a mass"));
 }
 
-TEST_CASE("numbers that are not finite are said with their element") {
+TEST_CASE("numbers that are not finite are reported with their element") {
   TACTUS_NEEDS_COMPILER();
   const Scratch scratch;
   const auto file = scratch.write("nan.xml",

@@ -302,7 +302,7 @@ TEST_CASE("the names and figures of hands, and what a hand that is not there giv
   CHECK(session.summary(2).text.empty());
 }
 
-TEST_CASE("gains that two hands do not bear are lowered, and said of each", "[slow]") {
+TEST_CASE("gains that are unstable with two hands are lowered, and reported for each", "[slow]") {
   Options options;
   options.ratio = 40;
   const Session session = session_of(tug(), options);

@@ -97,7 +97,7 @@ TEST_CASE("a tape of a device of one's own replays without it") {
   CHECK(replay.compared == 1500);
 }
 
-TEST_CASE("reset starts a device anew") {
+TEST_CASE("reset restarts a device") {
   Puck puck;
   Session session;
   REQUIRE_FALSE(session.open(press_scene(), {}, puck));

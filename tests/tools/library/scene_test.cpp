@@ -5,7 +5,7 @@ using namespace tactus;
 using namespace tactus::test;
 using Catch::Matchers::Contains;
 
-TEST_CASE("a scene tells its bodies as its text has them") {
+TEST_CASE("a scene lists the bodies of its text") {
   Scene scene;
   REQUIRE_FALSE(scene.parse(R"(
 title = "Two"

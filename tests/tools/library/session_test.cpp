@@ -54,7 +54,7 @@ TEST_CASE("reset gives the same bits again, in the same memory") {
   CHECK(session.bodies()[session.scene().proxy()].position_m == moved.position_m);
 }
 
-TEST_CASE("a session is opened anew with what it was opened with") {
+TEST_CASE("a session opens again with its own scene and options") {
   Options options;
   options.members = 9;
   Session session = session_of(scene_of("press.toml"), options);
@@ -69,7 +69,7 @@ TEST_CASE("a session is opened anew with what it was opened with") {
   CHECK(session.state_hash() == hash);
 }
 
-TEST_CASE("two sessions in one program do not know of each other") {
+TEST_CASE("two sessions in one program are independent") {
   Session one = session_of(scene_of("press.toml")), other = session_of(scene_of("press.toml"));
   for (int i = 0; i < 10; ++i) {
     step(one, 60);
@@ -319,7 +319,7 @@ TEST_CASE("mistakes are errors with the library's own words, and the session is 
   CHECK_THAT(session.record("/no/folder/a.tape").message(), Contains("cannot be written"));
 }
 
-TEST_CASE("what was changed about the options is told") {
+TEST_CASE("changed options are reported") {
   Options options;
   CHECK(session_of(scene_of("stack20.toml"), options).notes().empty());
   options.coupling = "interpolation";

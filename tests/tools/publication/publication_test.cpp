@@ -168,7 +168,7 @@ TEST_CASE("every tick is read as the recorder has it, in order") {
     CHECK(std::memcmp(&ticks[i].tick.out, &outputs[i], sizeof outputs[i]) == 0);
 }
 
-TEST_CASE("who is too slow loses the oldest ticks, and knows how many") {
+TEST_CASE("a watcher that is too slow loses the oldest ticks, and gets their number") {
   const sim::Scene scene = test::scene_text(test::kPressScene);
   const auto publication = published(scene);
   publication->watchers() = 1;
@@ -243,13 +243,13 @@ TEST_CASE("a watcher cannot write, shrink or map the memory for writing") {
   CHECK(write(descriptor, "x", 1) == -1);
   CHECK(ftruncate(descriptor, 0) == -1);
   CHECK(mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0) == MAP_FAILED);
-  // Nor after opening it anew for writing.
-  const int anew = open(("/proc/self/fd/" + std::to_string(descriptor)).c_str(), O_RDWR | O_CLOEXEC);
-  if (anew >= 0) {
-    CHECK(write(anew, "x", 1) == -1);
-    CHECK(ftruncate(anew, 0) == -1);
-    CHECK(mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, anew, 0) == MAP_FAILED);
-    close(anew);
+  // Nor after opening it again for writing.
+  const int again = open(("/proc/self/fd/" + std::to_string(descriptor)).c_str(), O_RDWR | O_CLOEXEC);
+  if (again >= 0) {
+    CHECK(write(again, "x", 1) == -1);
+    CHECK(ftruncate(again, 0) == -1);
+    CHECK(mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, again, 0) == MAP_FAILED);
+    close(again);
   }
 }
 
@@ -346,7 +346,7 @@ TEST_CASE("a frame that is read while it is written is whole, or is not read", "
   CHECK(torn == 0);
 }
 
-TEST_CASE("what the run says of itself is read once, whole, and what is too long leaves the text before it") {
+TEST_CASE("the run's state text is read once and complete, and a text that is too long leaves the one before it") {
   const auto publication = published(test::scene_file("stack20.toml"));
   const auto watcher = watching(*publication);
   std::string state = "none";
@@ -362,7 +362,7 @@ TEST_CASE("what the run says of itself is read once, whole, and what is too long
   CHECK(state == "short");
 }
 
-TEST_CASE("what the run says of itself, read while it is written, is whole or is not read", "[threads]") {
+TEST_CASE("the run's state text, read while it is written, is complete or is not read", "[threads]") {
   const auto publication = published(test::scene_file("stack20.toml"));
   const auto watcher = watching(*publication);
   std::atomic<bool> done{false};

@@ -103,13 +103,13 @@ class Parts(unittest.TestCase):
         self.assertEqual(seen, [1, 1, 2, 3])
         self.assertRegex(self.said.getvalue(), r"t: part 3 of 3, 67 %, about \d+ s left: tactus c\n$")
 
-    def test_another_program_or_command_is_measured_anew(self):
+    def test_another_program_or_command_is_measured_again(self):
         self.measured([self.part("a")])
         (self.build / "tools/tactus").write_text("another program", encoding="utf-8")
         self.measured([self.part("a")])
         self.assertEqual(self.ran, ["a", "a"])
 
-    def test_a_file_that_is_cut_off_is_measured_anew(self):
+    def test_a_file_that_is_cut_off_is_measured_again(self):
         self.measured([self.part("a")])
         path = parts.KEPT / "t/a.json"
         path.write_text(path.read_text(encoding="utf-8")[:20], encoding="utf-8")

@@ -153,7 +153,7 @@ TEST_CASE("requests become operator bits, each once, and stop sets the flag", "[
   CHECK(bench.stop.load());
 }
 
-TEST_CASE("state is what the run last told, reload what it said", "[threads]") {
+TEST_CASE("state returns the run's last report, reload its answer", "[threads]") {
   Bench bench;
   bench.server->tell(R"({"ok":true,"ticks":42})");
   CHECK(bench.ask("state")["ticks"] == 42);
@@ -282,7 +282,7 @@ TEST_CASE("an event comes once in its interval, with how often it was held back,
         }) == "x hand=2 a=1\n");
 }
 
-TEST_CASE("the monitor tells what changed, and that the loop is alive") {
+TEST_CASE("the monitor reports changes, and that the loop is alive") {
   session::LiveStatus live;
   const std::string lines = written([&](EventLog& log) {
     Monitor monitor(log, {"a.toml", "0123456789abcdef"});
@@ -341,7 +341,7 @@ TEST_CASE("the log says when force comes and goes, and not twice where a fault t
   CHECK(std::count(lines.begin(), lines.end(), '\n') == 5);
 }
 
-TEST_CASE("systemd is told over its socket, and nobody where there is none") {
+TEST_CASE("systemd is notified over its socket, and nobody where there is none") {
   const Folder folder;
   unsetenv("NOTIFY_SOCKET");
   CHECK_FALSE(notify("READY=1"));
@@ -408,7 +408,7 @@ TEST_CASE("watch passes a descriptor on and counts who holds the connection, and
   close(memory);
 }
 
-TEST_CASE("a run that shows nothing says so to a watcher, and no run is one line", "[threads]") {
+TEST_CASE("a run without publication reports so to a watcher, and a missing run gives one line", "[threads]") {
   Bench bench;
   const auto nothing = watch_control(bench.socket);
   REQUIRE_FALSE(nothing.ok());

@@ -65,7 +65,7 @@ TEST_CASE("two hands at a pace have the bits of two hands without one") {
   }
 }
 
-TEST_CASE("what one hand is asked for is not asked of the other") {
+TEST_CASE("a request to one hand is not passed to the other") {
   Bench bench(/*arm_at_start=*/false);
   bench.second = loop::kArm;
   (void)bench.run(200);

@@ -30,14 +30,14 @@ TEST_CASE("Fast keeps the sub-steps that the contact frequency needs") {
   CHECK(members_and_sub_steps(Accuracy::kFast, 1000).second == 4);
 }
 
-TEST_CASE("A number of members that was asked for stays") {
+TEST_CASE("A requested number of members is kept") {
   auto options = test::virtual_options();
   options.accuracy = Accuracy::kAccurate;
   options.members = 3;
   CHECK(test::make_session(test::scene_text(test::kPressScene), options)->members == 3);
 }
 
-TEST_CASE("A tape knows its accuracy") {
+TEST_CASE("A tape contains its accuracy") {
   auto options = test::virtual_options();
   options.accuracy = Accuracy::kFast;
   const auto text = session::to_tape_text(options, {}, "press", test::kPressScene);

@@ -55,7 +55,7 @@ TEST_CASE("with a motion scale all figures are those that stand in the scene") {
   CHECK(report.coupling.translation.stiffness == Approx(scene.coupling.stiffness_N_per_m));
 }
 
-TEST_CASE("gains that the device bears may be too much for a machine that wakes the loop late") {
+TEST_CASE("gains that are stable for the device may be unstable on a machine that wakes the loop late") {
   const haptics::CouplingGains gains;  // of a scene that says nothing
   CHECK(created(gains).ok());
   const std::string said = created(gains, 0.4e-3).message();

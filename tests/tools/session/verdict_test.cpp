@@ -50,7 +50,7 @@ struct Case {
 
 }  // namespace
 
-TEST_CASE("a run against which nothing is to be said is good, in one word") {
+TEST_CASE("a run without findings is good, in one word") {
   const RunVerdict verdict = judge(good_run());
   CHECK(verdict.level() == Level::kGood);
   CHECK(verdict.line() == "good");

@@ -136,7 +136,7 @@ TEST_CASE("the rebuilt world is the run's own") {
     CHECK(std::memcmp(&rebuilt.bodies[i].motion, &bodies[i].motion, sizeof bodies[i].motion) == 0);
 }
 
-TEST_CASE("what a tape lacks for its world is said") {
+TEST_CASE("what a tape lacks to rebuild its world is reported") {
   const TemporaryFile direct, older;
   session::RunOptions options = virtual_options();
   options.coupling = haptics::CouplingScheme::kDirect;

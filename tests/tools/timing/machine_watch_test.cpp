@@ -51,7 +51,7 @@ TEST_CASE("what happened around a time is the change from the last look before i
   CHECK_FALSE(history.around(70, 90).has_value());
 }
 
-TEST_CASE("what the kernel measured is cut to the time that is asked about") {
+TEST_CASE("the kernel's measurement is cut to the requested time") {
   MachineHistory history;
   const auto noise = [](std::int64_t from, std::int64_t duration) {
     return Noise{.kind = Noise::Kind::kInterrupt,
@@ -103,7 +103,7 @@ TEST_CASE("the kernel's osnoise events are read with name, number, end and lengt
   CHECK_FALSE(parse_noise("   <idle>-0  [002] d.h1.  54.029: #1 context    irq timer_latency       932 ns"));
 }
 
-TEST_CASE("a kernel without the tracer is told in one line, with what it takes") {
+TEST_CASE("a kernel without the tracer gives one line that names what is needed") {
   const auto noise = OsNoise::start(0, "/nonexistent");
   REQUIRE_FALSE(noise.ok());
   CHECK_THAT(noise.message(), Catch::Matchers::Contains("CONFIG_TIMERLAT_TRACER"));

@@ -94,7 +94,7 @@ TEST_CASE("the latest ticks are kept, the worst first, with those around them") 
   CHECK(statistics.spikes[1].around.back().tick == 100 + TickStatistics::kAround);
 }
 
-TEST_CASE("the verdict tells the program's promise from the machine's") {
+TEST_CASE("the verdict separates the program's limits from the machine's") {
   TickStatistics good = no_warm_up();
   for (std::uint64_t i = 0; i < 1000; ++i) good.add_loop(usual_tick(i));
   CHECK(verdict_of(judge(good)) == TimingVerdict::kGood);

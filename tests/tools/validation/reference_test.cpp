@@ -220,7 +220,7 @@ TEST_CASE("a resting stack's step has the reference's net wrenches") {
   }
 }
 
-TEST_CASE("writes the stored problems anew", "[.store]") {
+TEST_CASE("writes the stored problems again", "[.store]") {
   for (const Scenario& scenario : kScenarios) std::ofstream(data_file(scenario.name)) << to_text(problem_of(scenario));
   CHECK(std::filesystem::exists(data_file(kScenarios[0].name)));
 }

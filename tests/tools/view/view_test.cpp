@@ -131,7 +131,7 @@ TEST_CASE(
   CHECK(header.lost_ticks == 103);
 }
 
-TEST_CASE("ticks of another time forget those that wait, and the page is told once") {
+TEST_CASE("ticks of another time drop those that wait, and the page is notified once") {
   PageStream stream;
   const publication::Frame frame = frame_of(1);
   stream.offer_ticks(ticks_of(9), 0);
@@ -207,7 +207,7 @@ TEST_CASE("a page says what it has taken or asks for, anything else is refused a
   CHECK_FALSE(parse_message(R"({"ask": "disarm)" + std::string(300, ' ') + "\"}").ok());
 }
 
-TEST_CASE("what gives force is told from what takes it, and the rate of messages is bounded") {
+TEST_CASE("requests that enable force are distinguished from those that end it, and the rate of messages is bounded") {
   for (const char* ask : {"arm", "rearm", "reset"}) CHECK(gives_force(ask));
   for (const char* ask : {"disarm", "stop"}) CHECK_FALSE(gives_force(ask));
   MessageRate rate;

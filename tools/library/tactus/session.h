@@ -136,7 +136,7 @@ class Session {
   /// \return kUse: not open, in real time, ended, with a tape, or another session's state
   Error restore(const SavedState& saved);
 
-  /// [any] Requests an action for the next tick. A scene reset that one hand is asked for is of all hands.
+  /// [any] Requests an action for the next tick. A scene reset of one hand resets the scene for all hands.
   void request(Request request, unsigned hand = 0) noexcept;
   /// [any] Ends the running step() or run() after its current tick; if none is running, the next one before its first
   /// tick. May be called by a signal handler, a Device or another thread.

@@ -112,7 +112,7 @@ TEST_CASE("USB: a link may be closed at any moment of a halt, a lost device or a
   }
 }
 
-TEST_CASE("USB: a connection whose transfers are refused is given up and made anew", "[threads]") {
+TEST_CASE("USB: a connection whose transfers are refused is closed and opened again", "[threads]") {
   reset_fake_usb();
   auto link = opened();
   change_fake_usb([](FakeUsb& usb) { usb.submit_fails = true; });

@@ -41,7 +41,7 @@ TEST_CASE("A buffer body takes the global world's state at a synchronisation, an
   CHECK(bench.sub_world.buffer_gain_J() == Approx(kinetic_energy(body)).epsilon(1e-12));
 }
 
-TEST_CASE("The report says of whom the global world keeps its own state") {
+TEST_CASE("The report lists the bodies whose state the global world keeps") {
   Bench bench = bench_with_buffer();
   bench.synchronise();
   REQUIRE(bench.report->members.size() == 2);

@@ -10,7 +10,7 @@ using namespace tactus;
 using namespace tactus::haptics;
 using namespace tactus::test::sub_world_bench;
 
-TEST_CASE("above a plane the proxy is where the device wants it, below as near as the plane allows") {
+TEST_CASE("above a plane the proxy is at the device, below as near to it as the plane allows") {
   const ProxyPlane ground{{0, 0, 1}, 0.1};
   const HeldProxy free = keep_above({&ground, 1}, {1, 2, 0.3}, {0.1, 0, -0.2});
   CHECK_FALSE(free.touches);

@@ -161,7 +161,7 @@ Lied tell(const Lie& lie, double admitted_work_J) {
 
 }  // namespace
 
-TEST_CASE("However an outside body lies, its ghost puts no more into members than the tank holds") {
+TEST_CASE("At any pose of an outside body, its ghost adds no more energy to members than the tank holds") {
   for (const Lie& lie : kLies) {
     CAPTURE(lie.name);
     const Lied lied = tell(lie, 0);

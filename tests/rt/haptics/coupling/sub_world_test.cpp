@@ -47,7 +47,7 @@ TEST_CASE("a synchronisation reports what was, leavers included, and only then t
   CHECK(bench.sub_world.ticks_in_cycle() == 0);
 }
 
-TEST_CASE("a member that stays is never overwritten, whatever the snapshot says of it") {
+TEST_CASE("a member that stays is never overwritten, whatever the snapshot contains") {
   Bench bench(make_config());
   bench.next_with({ball(0, {}, {{0.1, 0, 0}, {}}), ball(1, {1, 0, 0}, {{0, 0.2, 0}, {}})});
   bench.synchronise();
@@ -100,7 +100,7 @@ TEST_CASE("the contacts of those that leave are reported as forces, the others' 
 
 TEST_CASE("a body that leaves and joins again with its warm start goes on as if it had stayed") {
   SubWorldConfig config = make_config();
-  config.step.recycle_tolerance_m = 0;  // its contact is found anew, so must be that of the one that stays
+  config.step.recycle_tolerance_m = 0;  // its contact is found again, so must be that of the one that stays
   config.step.gravity = {0, 0, -kGravity};
   const auto settle = [&](Bench& bench) {
     bench.next_with({ball(0, {5, 0, 5}), cube(1, 0.05), cube(2, 0.15)});
@@ -256,7 +256,7 @@ TEST_CASE("the work of the border is summed over all cycles: on a free body it i
   }
 }
 
-TEST_CASE("border contacts beyond the capacity are left out, counted and said once") {
+TEST_CASE("border contacts beyond the capacity are dropped, counted and reported once") {
   SubWorldConfig config = make_config();
   config.capacities.border_contacts = 2;
   Bench bench(config);

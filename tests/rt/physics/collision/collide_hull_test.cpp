@@ -202,7 +202,7 @@ TEST_CASE("A world of hulls restored in every step gives the same bits: a gap th
   }
 }
 
-TEST_CASE("A heap of hulls rests as deep and as quiet whether its contacts are carried over or found anew") {
+TEST_CASE("A heap of hulls rests as deep and as quiet whether its contacts are carried over or recomputed") {
   Random random(4);
   const std::vector<Hull> hulls{prism_hull(6, 0.05, 0.03).hull, box_hull({0.04, 0.05, 0.03}).hull,
                                 random_hull(random, 20, 0.06).hull};
@@ -213,7 +213,7 @@ TEST_CASE("A heap of hulls rests as deep and as quiet whether its contacts are c
     for (std::uint32_t k = 0; k < 9; ++k)
       bench.add(k, k % 3, 0.3, {{0.05 * (k % 2), 0.04 * (k % 3), 0.25 + 0.12 * k}, turn({1, 0.5, 0.2}, 0.4 * k)});
     bench.run(6000);
-    INFO((carried ? "carried over" : "found anew"));
+    INFO((carried ? "carried over" : "recomputed"));
     CHECK(bench.world.kinetic_energy() < 9 * 0.5 * 0.3 * 1e-12);
     CHECK(bench.report.deepest_m < 2e-4);
     CHECK(bench.report.contacts >= 9);

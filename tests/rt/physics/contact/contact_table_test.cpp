@@ -88,7 +88,7 @@ TEST_CASE("A pair that waits because it was apart has no contact, however its bo
   CHECK(edges > 300);
 }
 
-TEST_CASE("Two bodies' motion against each other is never said to be less than any points of their surfaces moved") {
+TEST_CASE("The bound on two bodies' relative motion is never less than the motion of any points of their surfaces") {
   test::Random random(2);
   for (int n = 0; n < 5000; ++n) {
     const double radius = random(0.01, 0.5), size = std::pow(10, random(-9, 0));
@@ -254,7 +254,7 @@ TEST_CASE("A heap comes to rest as deep and as quiet whether its contacts are ca
   for (std::uint64_t seed = 1; seed <= 30; ++seed)
     for (const bool carried : {false, true}) {
       const Rest rest = rest_of(seed, carried);
-      INFO("seed " << seed << (carried ? ", carried over" : ", found anew") << ": " << rest.deepest_m << " m, "
+      INFO("seed " << seed << (carried ? ", carried over" : ", recomputed") << ": " << rest.deepest_m << " m, "
                    << rest.energy_J << " J");
       CHECK(rest.deepest_m < 2e-4);
       CHECK(rest.energy_J < 1e7 * kAtRest_J);

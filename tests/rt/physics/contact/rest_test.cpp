@@ -55,7 +55,7 @@ TEST_CASE("Columns of cubes come to rest, in steps of 1 ms and in steps of 10 ms
     }
 }
 
-TEST_CASE("When a contact's points are chosen anew, the nearest takes the impulse of one that is dropped") {
+TEST_CASE("When a contact's points are chosen again, the nearest takes the impulse of one that is dropped") {
   const Capacities capacities{2, 0, 4, 4, 0};
   std::vector<Body> bodies;
   const Shape cube = Shape::box({kHalf, kHalf, kHalf});
