@@ -95,6 +95,15 @@ def coupled_runs(done):
     return found
 
 
+def uncertainty(done):
+    """By scene, the largest force error of its other direct runs: one that starts 1 um aside, one with twice the sub-steps."""
+    found = {}
+    for row in rows_of(done, "whole"):
+        if row["coupling"] != "sub-world":
+            found[row["scene"]] = max(found.get(row["scene"], 0.0), row["force_error"])
+    return found
+
+
 def whole_cells(runs):
     """What one cap did, from the duration to who stands. Ratios that the scene refuses are '-'."""
     given = [runs.get(ratio) for ratio in WHOLE_RATIOS]
@@ -110,11 +119,13 @@ def whole_cells(runs):
 
 def whole(done):
     """Caps with the same cells are one row."""
-    by_cells = {}
+    by_cells, direct = {}, uncertainty(done)
     for (scene, cap), runs in coupled_runs(done).items():
         by_cells.setdefault((scene, whole_cells(runs)), []).append(cap)
-    rows = [[f"{scene}, {' or '.join(map(str, sorted(caps, reverse=True)))}", *cells] for (scene, cells), caps in by_cells.items()]
-    return markdown(["scene, members", "s", "force, %", "off, mm", "of its size", "stands"], rows)
+    rows = [[f"{scene}, {' or '.join(map(str, sorted(caps, reverse=True)))}", seconds, force,
+             "-" if force == "no force" or scene not in direct else digits(100 * direct[scene]), *others]
+            for (scene, (seconds, force, *others)), caps in by_cells.items()]
+    return markdown(["scene, members", "s", "force, %", "of direct itself, %", "off, mm", "of its size", "stands"], rows)
 
 
 # --- the scenes of tests/border

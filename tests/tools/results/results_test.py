@@ -155,13 +155,14 @@ class Rows(unittest.TestCase):
     def test_caps_with_the_same_figures_are_one_row_of_whole_runs(self):
         rows = [whole_row(cap, ratio) for cap in (16, 8) for ratio in border.WHOLE_RATIOS]
         rows += [whole_row(4, ratio, off_m=0.01, pose_off_share_of_size=0.255, stands=ratio < 16) for ratio in border.WHOLE_RATIOS]
-        rows += [whole_row(16, 1, coupling="direct"), whole_row(16, 2, hand="direct", off_m=1)]
+        rows += [whole_row(16, 1, coupling="direct", force_error=error) for error in (0.001, 0.022)]
+        rows += [whole_row(16, 2, hand="direct", off_m=1)]
         self.assertEqual(cells(border.whole([done("s", {"whole": rows})])), [
-            ["s, 16 or 8", "30", "0.59, 0.59, 0.59, 0.59, 0.59", "0.00, 0.00, 0.00, 0.00, 0.00", "-", "yes"],
-            ["s, 4", "30", "0.59, 0.59, 0.59, 0.59, 0.59", "10.00, 10.00, 10.00, 10.00, 10.00", "25.5 %", "NO at 16"]])
+            ["s, 16 or 8", "30", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "0.00, 0.00, 0.00, 0.00, 0.00", "-", "yes"],
+            ["s, 4", "30", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "10.00, 10.00, 10.00, 10.00, 10.00", "25.5 %", "NO at 16"]])
 
     def test_a_ratio_that_a_scene_refuses_is_a_dash(self):
-        self.assertEqual(cells(border.whole([done("s", {"whole": [whole_row(4, 8, force_rms_N=0.0)]})]))[0][2:4], ["no force", "-, -, 0.00, -, -"])
+        self.assertEqual(cells(border.whole([done("s", {"whole": [whole_row(4, 8, force_rms_N=0.0)]})]))[0][2:5], ["no force", "-", "-, -, 0.00, -, -"])
 
     def test_three_caps_are_at_least_two_members(self):
         by_name = {file.stem: border.three_caps(file) for file in border.scene_files()}
