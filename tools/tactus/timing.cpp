@@ -53,7 +53,7 @@ std::vector<std::string> distortions(int cpu, double rate_Hz) {
   doctor::Request request;
   request.cpu = cpu;
   request.rate_Hz = rate_Hz;
-  for (const doctor::Finding& finding : doctor::examine(system.value(), request).findings)
+  for (const doctor::MachineFinding& finding : doctor::examine(system.value(), request).findings)
     if (finding.distorts) found.push_back(finding.check + ": " + finding.found);
   return found;
 }
