@@ -33,14 +33,14 @@ inline constexpr double kAgainstWindow_s = 10;
 inline constexpr double kViewerRest_s = 1;  // in which the watcher comes or goes
 
 struct TimingResult {
-  TimingOptions options;
-  session::RunSummary summary;
+  TimingOptions options{};
+  session::RunSummary summary{};
   TickStatistics statistics;
-  std::vector<VerdictRow> rows;
-  Histogram cyclictest_wake;  // empty without it
+  std::vector<VerdictRow> rows{};
+  Histogram cyclictest_wake{};  // empty without it
   std::uint64_t records_lost{0};
-  std::string scene_text;   // what was run
-  WatchedWindows viewer{};  // empty without one
+  std::string scene_text{};  // what was run
+  WatchedWindows viewer{};   // empty without one
 
   TimingVerdict verdict() const { return verdict_of(rows); }
 };

@@ -102,11 +102,16 @@ class FaultOfLibrary : public RtScript {
 };
 
 void check(const char* device, RtScript& script, bool faulty) {
-  const Counts counts = run_trial({.ticks = kPatience, .scene_of_test = kScene, .device = device, .script = &script});
+  Counts counts;
+  // Without a fault of the library only a loaded machine latches one: then another run must do without.
+  for (int i = 0; i < 5; ++i) {
+    counts = run_trial({.ticks = kPatience, .scene_of_test = kScene, .device = device, .script = &script});
+    if (faulty || counts.latched == 0) break;
+  }
   CHECK(counts.phase == RtScript::kOver);
   check_clean(counts, counts.ticks);
   CHECK(counts.ticks >= kHeld);
-  if (faulty) CHECK(counts.latched > 0);  // without, only a loaded machine latches one
+  CHECK((counts.latched > 0) == faulty);
 }
 
 }  // namespace

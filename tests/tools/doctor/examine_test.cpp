@@ -286,7 +286,7 @@ TEST_CASE("The interrupt of the device's bus is amber while it may come to many 
   tree.write("proc/irq/16/smp_affinity_list", "3\n");
   CHECK(of(tree.examine(request), "bus-interrupt").verdict == MachineVerdict::kGreen);
   CHECK(of(tree.examine(request), "interrupts").verdict == MachineVerdict::kGreen);
-  only(tree, "interrupts", MachineVerdict::kAmber);  // of a link that nobody asked about
+  only(tree, "interrupts", MachineVerdict::kAmber);  // of a link that is not in the request
 }
 
 TEST_CASE("The interrupts of a device on USB are its controller's") {

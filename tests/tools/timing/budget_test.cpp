@@ -20,13 +20,7 @@ const Machine kHere{.cpu_model = "Some CPU",
                     .cores = 4};
 
 std::string signed_off(TimingVerdict wanted = TimingVerdict::kGood) {
-  TimingResult r{.options = {},
-                 .summary = {},
-                 .statistics = TickStatistics({kPeriod_ns, 0, 10}),
-                 .rows = {},
-                 .cyclictest_wake = {},
-                 .records_lost = 0,
-                 .scene_text = ""};
+  TimingResult r{.statistics = TickStatistics({kPeriod_ns, 0, 10})};
   for (std::uint64_t i = 0; i < 1000; ++i) r.statistics.add_loop(usual_tick(i));
   if (wanted == TimingVerdict::kMachine) r.statistics.add_loop(woken_late(1000, 800'000));
   if (wanted == TimingVerdict::kBad) {

@@ -18,13 +18,7 @@ using namespace tactus::timing;
 namespace {
 
 TimingResult made_result() {
-  TimingResult r{.options = {},
-                 .summary = {},
-                 .statistics = TickStatistics({kPeriod_ns, 0, 10}),
-                 .rows = {},
-                 .cyclictest_wake = {},
-                 .records_lost = 0,
-                 .scene_text = ""};
+  TimingResult r{.statistics = TickStatistics({kPeriod_ns, 0, 10})};
   for (std::uint64_t i = 0; i < 400; ++i) r.statistics.add_loop(i == 200 ? woken_late(i, 1'500'000) : usual_tick(i));
   for (std::uint64_t i = 0; i < 100; ++i) r.statistics.add_bare(usual_tick(i));
   r.statistics.finish();

@@ -48,13 +48,7 @@ TEST_CASE("a line of the set-up that says FAIL, the kernel's too, is no good tim
 }
 
 TEST_CASE("the report's verdict says in words what a rule of a run found") {
-  TimingResult r{.options = {},
-                 .summary = {},
-                 .statistics = TickStatistics({kPeriod_ns, 0, 10}),
-                 .rows = {},
-                 .cyclictest_wake = {},
-                 .records_lost = 0,
-                 .scene_text = ""};
+  TimingResult r{.statistics = TickStatistics({kPeriod_ns, 0, 10})};
   for (std::uint64_t i = 0; i < 400; ++i) r.statistics.add_loop(usual_tick(i));
   r.statistics.finish();
   r.summary.has_global = true;
@@ -64,13 +58,7 @@ TEST_CASE("the report's verdict says in words what a rule of a run found") {
 }
 
 TEST_CASE("the report's verdict names the figure that is beyond its limit, and the limit") {
-  TimingResult r{.options = {},
-                 .summary = {},
-                 .statistics = TickStatistics({kPeriod_ns, 0, 10}),
-                 .rows = {},
-                 .cyclictest_wake = {},
-                 .records_lost = 0,
-                 .scene_text = ""};
+  TimingResult r{.statistics = TickStatistics({kPeriod_ns, 0, 10})};
   for (std::uint64_t i = 0; i < 400; ++i) r.statistics.add_loop(i == 200 ? woken_late(i, 900'000) : usual_tick(i));
   r.statistics.finish();
   r.rows = judge(r.statistics);
