@@ -195,14 +195,16 @@ void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexce
       TACTUS_CHECK(next.joiners.try_push(islands_.bodies()[member]), number_of(member), 0);
 }
 
-// Sends warm starts of joiners' contacts with members and static geometry, so that they continue in the sub-world.
+// Sends the impulses of contacts among members and with static geometry that the sub-world continues: those of joiners,
+// and those of the last cycle's buffer bodies (border_buffer.h).
 void GlobalWorld::fill_warm_starts(const Device& device, WorldSnapshot& next) noexcept {
   const auto& e = device.extraction;
   const auto awake = islands_.awake();
+  const auto is_renewed = [&](BodyIndex i) noexcept { return e.is_joiner(i) || device.buffer[i] != 0; };
   for (const auto& contact : world_.contacts()) {
     const BodyIndex a = awake[contact.slot_a], b = contact.b_fixed ? a : awake[contact.slot_b];
-    const bool joins = e.is_member(a) && e.is_member(b) && (e.is_joiner(a) || e.is_joiner(b));
-    if (joins && !next.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s()))) ++next.dropped;
+    const bool continues = e.is_member(a) && e.is_member(b) && (is_renewed(a) || is_renewed(b));
+    if (continues && !next.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s()))) ++next.dropped;
   }
 }
 

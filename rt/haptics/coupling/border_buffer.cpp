@@ -12,6 +12,9 @@ namespace {
 // A contact whose friction force exceeds this share of its friction limit counts as sliding.
 constexpr double kHolds = 0.95;
 
+// A cycle's share of the global world's impulses in those between a buffer body and an inner member.
+constexpr double kMixedShare = 0.125;
+
 // The point of the body at which friction holds it and the proxy together.
 struct Hold {
   bool holds{false};
@@ -44,6 +47,10 @@ Hold hold_between(const physics::World& world, BodyId proxy, physics::SlotIndex 
 }
 
 }  // namespace
+
+double BorderBuffer::impulse_share(PairKey key) const noexcept {
+  return key.with_fixed() || holds(key.low()) == holds(key.high()) ? 1.0 : kMixedShare;
+}
 
 BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId proxy, physics::World& world) noexcept {
   Adopted adopted;

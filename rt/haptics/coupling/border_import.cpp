@@ -61,9 +61,17 @@ void warm_start(std::span<const BorderContact> former, std::uint32_t& hint, Bord
   }
 }
 
+// Starts with the impulses of the global step, means over its sub-steps (border_buffer.h).
+void start_as_global(const BorderPoint& point, double sub_step_s, BorderContact& contact) noexcept {
+  const auto [t1, t2] = tangents_of(point.normal);
+  contact.normal_impulse = point.impulse_rate_N * sub_step_s;
+  contact.tangent_impulse[0] = dot(point.friction_N, t1) * sub_step_s;
+  contact.tangent_impulse[1] = dot(point.friction_N, t2) * sub_step_s;
+}
+
 }  // namespace
 
-void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits,
+void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits, double sub_step_s,
                          physics::World& world) noexcept {
   auto& contacts = world.border_contacts();
   auto& ghosts = world.border_ghosts();
@@ -77,7 +85,10 @@ void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTra
     const physics::Body* member = world.find(point.member);
     if (member == nullptr) continue;
     BorderContact contact = contact_at(point, member->motion.pose);
-    warm_start(replaced_.span(), hint, contact);
+    if (traits.ghosts && point.impulse_rate_N > 0)
+      start_as_global(point, sub_step_s, contact);
+    else
+      warm_start(replaced_.span(), hint, contact);
     if (traits.ghosts) contact.ghost = physics::find_ghost(ghosts.span(), point.outside);
     if (contact.ghost != physics::kNoGhost && point.outside_round_m > 0.0) {
       contact.ghost_round = point.outside_round_m;

@@ -1,10 +1,11 @@
 // Imports the border of a snapshot, contacts and ghosts, into the members' world.
 //
-// A synchronisation replaces all border contacts, friction points included. A contact that existed before keeps its
-// impulses for the warm start. Within a cycle the world solves the contacts (rt/physics/border). While the global world
-// is late, outside bodies slow down. Thread: construction [setup]; the rest [rt], the haptic thread. Frame: world.
-// Units: SI. Bound: as many contacts as the world holds; each is looked up among kSearchWindow of the former ones.
-// Source: the paper, section 2.2.
+// A synchronisation replaces all border contacts, friction points included. A ghost's contact starts with the impulses
+// of the global step (border_buffer.h). Any other one, and one that did not press in the global step, keeps those that
+// it had before the synchronisation. Within a cycle the world solves the contacts (rt/physics/border). While the global
+// world is late, outside bodies slow down. Thread: construction [setup]; the rest [rt], the haptic thread. Frame:
+// world. Units: SI. Bound: as many contacts as the world holds; each is looked up among kSearchWindow of the former
+// ones. Source: the paper, section 2.2.
 #pragma once
 
 #include "rt/haptics/coupling/snapshot.h"
@@ -17,8 +18,9 @@ class BorderImport {
   explicit BorderImport(std::uint32_t border_contacts)
       : outside_velocity_(border_contacts), replaced_(border_contacts) {}
 
-  // Call at a synchronisation, after the members have changed.
-  void renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits, physics::World& world) noexcept;
+  // Call at a synchronisation, after the members have changed. `sub_step_s`: of the last tick.
+  void renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits, double sub_step_s,
+             physics::World& world) noexcept;
   // Call once a tick. Scales the velocities of outside surfaces and ghosts.
   void slow_down(const WorldLateness& late, physics::World& world) const noexcept;
 

@@ -70,8 +70,9 @@ struct WorldSnapshot {
   double border_work_J{0};     // by outside bodies on members in the global step, with sign; ghost border only
   FixedVector<BodyId, kMaxMembers> members;         // of cycle n, ascending; always contains the proxy
   FixedVector<physics::Body, kMaxMembers> joiners;  // members of cycle n that were not members of cycle n - 1
-  FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // of the joiners' contacts with members, fixed bodies
-  FixedVector<BodyId, kMaxMembers> buffer;                      // border bodies of cycle n and uneven groups, ascending
+  // Impulses of contacts with members and fixed bodies: of joiners, and of buffer bodies of cycle n - 1.
+  FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;
+  FixedVector<BodyId, kMaxMembers> buffer;         // border bodies of cycle n and uneven groups, ascending
   FixedVector<MemberMotion, kMaxMembers> renewed;  // buffer bodies of cycle n - 1, at the end of the global step
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; ghost border only

@@ -95,7 +95,14 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
     world_.insert(joiner);
     if (joiner.id == config_.proxy) proxy_ = joiner.motion;
   }
-  for (const auto& warm_start : snapshot.warm_starts) world_.add_warm_start(warm_start);
+  adopt_impulses(snapshot);
+}
+
+// A contact that is here already is one of a buffer body; one of a joiner starts with the next step.
+void SubWorld::adopt_impulses(const WorldSnapshot& snapshot) noexcept {
+  for (const auto& given : snapshot.warm_starts)
+    if (!world_.blend_impulses(given, last_sub_step_s(), buffer_.impulse_share(given.key)))
+      world_.add_warm_start(given);
 }
 
 // Moves the proxy, and with it the end of the coupling's spring, by the displacement of the buffer bodies. The work
@@ -111,7 +118,7 @@ void SubWorld::adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling
 
 void SubWorld::adopt_border(const WorldSnapshot& snapshot) noexcept {
   state_.border_work_J = border_work_J();
-  border_import_.renew(snapshot, border_, world_);
+  border_import_.renew(snapshot, border_, last_sub_step_s(), world_);
   state_.tank.credit_J = snapshot.border_work_J / config_.ratio;
 }
 

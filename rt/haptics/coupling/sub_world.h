@@ -104,11 +104,13 @@ class SubWorld {
 
   void forget_world(std::uint32_t epoch) noexcept;
   void change_members(const WorldSnapshot& snapshot) noexcept;
+  void adopt_impulses(const WorldSnapshot& snapshot) noexcept;
   void adopt_border(const WorldSnapshot& snapshot) noexcept;
   void adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept;
   void adopt_near_triangles(const WorldSnapshot& snapshot) noexcept;
   void freeze_all_but_proxy() noexcept;
 
+  double last_sub_step_s() const noexcept { return config_.step.dt / state_.last_sub_steps; }
   WorldLateness apply_lateness() noexcept;
   double tank_credit_J() const noexcept;
   void step_members(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,

@@ -37,7 +37,6 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
 
 // Reports the impulses of the leavers' contacts, as the global world's warm start.
 void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
-  const double sub_step_s = config_.step.dt / state_.last_sub_steps;
   const auto stays = [&](BodyId id) noexcept {
     return std::binary_search(snapshot.members.begin(), snapshot.members.end(), id);
   };
@@ -45,7 +44,7 @@ void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& rep
     const bool low_stays = stays(contact.key.low());
     const bool high_stays = stays(contact.key.high());
     const bool one_leaves = contact.b_fixed ? !stays(world_.bodies()[contact.slot_a].id) : !(low_stays && high_stays);
-    if (one_leaves && !report.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s))) return;
+    if (one_leaves && !report.warm_starts.try_push(physics::World::warm_start_of(contact, last_sub_step_s()))) return;
   }
 }
 

@@ -357,6 +357,14 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
   warm_starts_.clear();
 }
 
+bool ContactTable::blend_impulses(const WarmStart& given, double sub_step, double share) noexcept {
+  const auto from = std::lower_bound(contacts_.begin(), contacts_.end(), given.key,
+                                     [](const Contact& contact, const PairKey& key) { return contact.key < key; });
+  if (from == contacts_.end() || from->key != given.key) return false;
+  physics::blend_impulses(given, sub_step, share, *from);
+  return true;
+}
+
 void ContactTable::scale_impulses_of(std::span<const std::uint8_t> bodies, double factor) noexcept {
   for (Contact& contact : contacts_)
     for (std::uint32_t i = 0; i < contact.count && bodies[contact.slot_a] != 0; ++i)

@@ -57,4 +57,21 @@ StartImpulses start_impulses(const Manifold& manifold, const WarmStart& given, d
   return start;
 }
 
+void blend_impulses(const WarmStart& given, double sub_step, double share, Contact& contact) noexcept {
+  const Tangents<double> along = tangents_of(contact.normal);
+  const auto blend = [share](double& own, double other) noexcept { own += share * (other - own); };
+  for (std::uint32_t i = 0; i < contact.count; ++i) {
+    ContactPoint& point = contact.points[i];
+    const auto last = given.features.begin() + given.count;
+    const auto found = std::find(given.features.begin(), last, point.feature);
+    if (found == last) continue;
+    const auto j = static_cast<std::size_t>(found - given.features.begin());
+    StartImpulse start;
+    add(given.normal_force[j] * sub_step, given.friction_force[j] * sub_step, along, start);
+    blend(point.normal_impulse, start.normal);
+    blend(point.tangent_impulse[0], start.tangent[0]);
+    blend(point.tangent_impulse[1], start.tangent[1]);
+  }
+}
+
 }  // namespace tactus::physics
