@@ -306,6 +306,31 @@ TEST_CASE("The buffer is what touches an outside body, its state goes down and i
   CHECK(norm(bench.body(1).motion.pose.position - bench.scene.bodies[1].motion.pose.position) < 1e-3);
 }
 
+TEST_CASE("A snapshot gives the impulses of the contacts of the last cycle's buffer bodies") {
+  GlobalOptions options = slow_device();
+  options.border_mode = physics::BorderMode::kGhost;
+  options.extraction.cap = 7;
+  Bench bench(stack(12), options);
+  bench.run(10);
+  const std::vector<BodyId> buffer(bench.snapshot->buffer.begin(), bench.snapshot->buffer.end());
+  REQUIRE(!buffer.empty());
+  REQUIRE(buffer.size() < 6);
+  bench.step();
+  REQUIRE(bench.snapshot->joiners.empty());
+  const auto members = ids(*bench.snapshot);
+  const auto in = [](const std::vector<BodyId>& list, BodyId id) {
+    return std::binary_search(list.begin(), list.end(), id);
+  };
+  std::vector<PairKey> expected, given;
+  for (const auto& contact : bench.world.world().contacts()) {
+    const BodyId a = contact.key.low(), b = contact.key.high();
+    if (in(members, a) && in(members, b) && (in(buffer, a) || in(buffer, b))) expected.push_back(contact.key);
+  }
+  for (const auto& warm : bench.snapshot->warm_starts) given.push_back(warm.key);
+  CHECK(!expected.empty());
+  CHECK(given == expected);
+}
+
 TEST_CASE(
     "Interpolation: the proxy alone is a member, the coupling's spring holds it in the step, nothing is imposed") {
   GlobalOptions options = slow_device();

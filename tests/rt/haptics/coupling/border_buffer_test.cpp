@@ -100,6 +100,60 @@ TEST_CASE("The proxy goes with a buffer body that it holds on to by friction, al
   CHECK(bench.sub_world.proxy().pose.position == bench.motion(make_config().proxy).pose.position);
 }
 
+namespace {
+
+// Two cubes on each other on the ground, at rest.
+Bench two_cubes() {
+  SubWorldConfig config = ghost_config();
+  config.step.gravity = {0, 0, -9.81};
+  Bench bench(config, {ground()});
+  bench.next_with({cube(1, 0.05), cube(2, 0.15)});
+  return bench;
+}
+
+// What the global world has at a contact of the sub-world: the same points, twice the load, and friction.
+physics::WarmStart doubled(const physics::Contact& contact, double sub_step_s) {
+  physics::WarmStart given = physics::World::warm_start_of(contact, sub_step_s);
+  for (std::uint32_t i = 0; i < given.count; ++i) {
+    given.normal_force[i] *= 2;
+    given.friction_force[i] += Vec3d{0.3, -0.2, 0};
+  }
+  return given;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "Contacts of buffer bodies begin a cycle with the global world's impulses, those with inner members in part") {
+  Bench bench = two_cubes();
+  REQUIRE(bench.snapshot->buffer.try_push(1));
+  const bool both_in_buffer = GENERATE(false, true);
+  if (both_in_buffer) REQUIRE(bench.snapshot->buffer.try_push(2));
+  bench.synchronise();
+  bench.step(200);
+  bench.next({1, 2});
+  const double sub_step_s = kTick_s / 4;
+  const auto contacts = bench.sub_world.world().contacts();
+  const std::vector<physics::Contact> before(contacts.begin(), contacts.end());
+  REQUIRE(before.size() == 2);
+  for (const auto& contact : before) REQUIRE(bench.snapshot->warm_starts.try_push(doubled(contact, sub_step_s)));
+  bench.synchronise();
+  for (std::size_t c = 0; c < 2; ++c) {
+    const physics::Contact& now = bench.sub_world.world().contacts()[c];
+    const double share = now.b_fixed || both_in_buffer ? 1 : 0.125;
+    CAPTURE(now.b_fixed, both_in_buffer);
+    REQUIRE(now.count == 4);
+    for (std::uint32_t i = 0; i < now.count; ++i) {
+      const auto [t1, t2] = tangents_of(now.normal);
+      const auto &point = now.points[i], &was = before[c].points[i];
+      CHECK(point.normal_impulse == Approx((1 + share) * was.normal_impulse));
+      const Vec3d added = share * sub_step_s * Vec3d{0.3, -0.2, 0};
+      CHECK(point.tangent_impulse[0] == Approx(was.tangent_impulse[0] + dot(added, t1)));
+      CHECK(point.tangent_impulse[1] == Approx(was.tangent_impulse[1] + dot(added, t2)));
+    }
+  }
+}
+
 TEST_CASE("A saved buffer comes back, and bytes that are no buffer of these bodies are refused") {
   Bench bench = bench_with_buffer();
   haptics::BorderBuffer buffer;

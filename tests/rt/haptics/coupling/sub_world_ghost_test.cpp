@@ -55,6 +55,29 @@ TEST_CASE("What a cycle reports of a ghost is the momentum that its member lost,
   CHECK(given.tangent_impulse.x < 0);
 }
 
+TEST_CASE("A ghost's contact begins a cycle with the global step's impulses; one that did not press keeps its own") {
+  Bench bench(ghost_config());
+  const double mass = 3, sub_step_s = kTick_s / 4;
+  bench.next_with({ball(1, {}, {{0.1, 0, -0.2}, {}})});
+  REQUIRE(bench.snapshot->outside.try_push(outside(1 / mass)));
+  REQUIRE(bench.snapshot->border.try_push(touch(0, 1 / mass, 0.3)));
+  bench.synchronise();
+  bench.step();
+  const double own_Ns = bench.border(0).normal_impulse;
+  const bool pressed = GENERATE(false, true);
+  bench.next({1});
+  REQUIRE(bench.snapshot->outside.try_push(outside(1 / mass)));
+  BorderPoint point = touch(pressed ? 8 : 0, 1 / mass, 0.3);
+  point.friction_N = {1, -2, 0};
+  REQUIRE(bench.snapshot->border.try_push(point));
+  bench.synchronise();
+  const physics::BorderContact& contact = bench.border(0);
+  CHECK(contact.normal_impulse == Approx(pressed ? 8 * sub_step_s : own_Ns));
+  if (!pressed) return;
+  const auto [t1, t2] = tangents_of(contact.normal);
+  check_close(contact.tangent_impulse[0] * t1 + contact.tangent_impulse[1] * t2, sub_step_s * point.friction_N, 1e-15);
+}
+
 TEST_CASE("A ghost starts a cycle as the global step left it, driven against the load that it bore") {
   Bench bench(ghost_config());
   const double mass = 3, load_N = 20;
