@@ -43,21 +43,30 @@ void take_back(const Contact& contact, physics::SlotIndex outside, physics::Worl
   }
 }
 
-// A smooth acceleration over the step is extrapolated: the body slides to rest or is pushed. If the velocity changed by
-// more than this fraction in the step, the velocity fluctuates within the step or the body had an impact, and nothing
+// A smooth acceleration over the step is extrapolated: the body slides to rest, swings or is pushed. If the velocity
+// changed by more than this fraction in the step, it fluctuates within the step or the body had an impact, and nothing
 // is extrapolated.
 constexpr double kEven = 0.5;
 
-// Acceleration expected over the next step [m/s^2]; a deceleration at most stops the body within that step.
-Vec3d acceleration_to_come(const Body& body, const Posed& start, double step_s, double sub_step_s) noexcept {
-  const double late_s = 0.5 * (step_s - sub_step_s);  // the mean velocity is the velocity in mid-step
+// Rate of a velocity expected over the next step, of its value at the end of this one and its mean over it; a
+// deceleration at most stops the motion within that step. `late_s`: from mid-step, where the mean is reached, to the
+// end.
+Vec3d rate_to_come(const Vec3d& end, const Vec3d& mean, double late_s, double step_s) noexcept {
+  const Vec3d rate = (end - mean) * (1 / late_s);
+  const double change = step_s * norm(rate), speed = norm(end);
+  if (!(change > 0) || !(change <= kEven * std::max(speed, norm(end - step_s * rate)))) return {};
+  return rate * (dot(rate, end) < 0 ? std::min(1.0, speed / change) : 1.0);
+}
+
+// Acceleration of the body expected over the next step [m/s^2, rad/s^2].
+Twistd acceleration_to_come(const Body& body, const Posed& start, double step_s, double sub_step_s) noexcept {
+  const double late_s = 0.5 * (step_s - sub_step_s);
   if (!(late_s > 0)) return {};
-  const Vec3d& end = body.motion.velocity.linear;
-  const Vec3d mean = (body.motion.pose.position - start.position) * (1 / step_s);
-  const Vec3d acceleration = (end - mean) * (1 / late_s);
-  const double change = step_s * norm(acceleration), speed = norm(end);
-  if (!(change > 0) || !(change <= kEven * std::max(speed, norm(end - step_s * acceleration)))) return {};
-  return acceleration * (dot(acceleration, end) < 0 ? std::min(1.0, speed / change) : 1.0);
+  const auto& [pose, end] = body.motion;
+  const Vec3d moved = pose.position - start.position;
+  const Vec3d turned = rotation_vector_of(pose.rotation * conjugate(start.rotation));
+  return {rate_to_come(end.linear, moved * (1 / step_s), late_s, step_s),
+          rate_to_come(end.angular, turned * (1 / step_s), late_s, step_s)};
 }
 
 // A joint between a member and an outside body, after a step.
@@ -246,9 +255,7 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
     }
     body.admittance = touched ? answer.admittance : admittance_.free_admittance(slot);
     const Twistd under_load = body.admittance * load;
-    body.drive = {
-        acceleration_to_come(found, world.last_poses()[number_of(slot)], step_s, sub_step_s) - under_load.linear,
-        -under_load.angular};
+    body.drive = acceleration_to_come(found, world.last_poses()[number_of(slot)], step_s, sub_step_s) - under_load;
     if (!outside.try_push(body)) ++left_out;
   }
   return left_out;

@@ -320,6 +320,27 @@ TEST_CASE("An outside body that slides to rest is reported with its deceleration
   CHECK(stopping == Vec3d{});
 }
 
+TEST_CASE("An outside body that turns faster and faster is reported with its angular acceleration") {
+  auto world = card_on_slab();
+  const auto turn = [&] {
+    world->apply_wrench(0_slot, {{}, {0, 0, 0.5}});
+    step(*world);
+  };
+  for (int i = 0; i < 20; ++i) turn();
+  const double before = world->bodies()[0].motion.velocity.angular.z;
+  turn();
+  const double acceleration = (world->bodies()[0].motion.velocity.angular.z - before) / kStep_s;
+  REQUIRE(acceleration > 0.1);
+  BorderExchange log(4, 16, 0, kRigid);
+  auto border = std::make_unique<Border>();
+  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
+  log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, kCardIsMember, false, *border);
+  REQUIRE(log.fill_outside(*world, kCardIsMember, kStep_s, kStep_s / 10, border->span(), outside) == 0);
+  REQUIRE(outside.size() == 1);
+  const Twistd to_come = outside[0].drive + member_answer(outside[0], border->span());
+  CHECK(to_come.angular.z == Approx(acceleration).epsilon(0.02));
+}
+
 TEST_CASE("An outside body is reported with its motion") {
   auto world = card_on_slab();
   step(*world);

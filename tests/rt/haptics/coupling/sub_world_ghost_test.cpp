@@ -55,7 +55,7 @@ TEST_CASE("What a cycle reports of a ghost is the momentum that its member lost,
   CHECK(given.tangent_impulse.x < 0);
 }
 
-TEST_CASE("A ghost's contact begins a cycle with the global step's impulses; one that did not press keeps its own") {
+TEST_CASE("A ghost's contact begins a cycle with the global step's impulses, and one that did not press with its own") {
   Bench bench(ghost_config());
   const double mass = 3, sub_step_s = kTick_s / 4;
   bench.next_with({ball(1, {}, {{0.1, 0, -0.2}, {}})});
