@@ -196,16 +196,17 @@ void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexce
 }
 
 // Sends the impulses of contacts among members and with static geometry that the sub-world continues: those of joiners,
-// and those of the last cycle's buffer bodies (border_buffer.h).
+// then those of the last cycle's buffer bodies (border_buffer.h), which have impulses of their own if they do not fit.
 void GlobalWorld::fill_warm_starts(const Device& device, WorldSnapshot& next) noexcept {
   const auto& e = device.extraction;
   const auto awake = islands_.awake();
-  const auto is_renewed = [&](BodyIndex i) noexcept { return e.is_joiner(i) || device.buffer[i] != 0; };
-  for (const auto& contact : world_.contacts()) {
-    const BodyIndex a = awake[contact.slot_a], b = contact.b_fixed ? a : awake[contact.slot_b];
-    const bool continues = e.is_member(a) && e.is_member(b) && (is_renewed(a) || is_renewed(b));
-    if (continues && !next.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s()))) ++next.dropped;
-  }
+  for (const bool of_joiners : {true, false})
+    for (const auto& contact : world_.contacts()) {
+      const BodyIndex a = awake[contact.slot_a], b = contact.b_fixed ? a : awake[contact.slot_b];
+      if (!e.is_member(a) || !e.is_member(b) || of_joiners != (e.is_joiner(a) || e.is_joiner(b))) continue;
+      if (!of_joiners && device.buffer[a] == 0 && device.buffer[b] == 0) continue;
+      if (!next.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s()))) ++next.dropped;
+    }
 }
 
 void GlobalWorld::count(const Device& device, const WorldSnapshot& next) noexcept {
