@@ -98,7 +98,8 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
   adopt_impulses(snapshot);
 }
 
-// A contact that is here already is one of a buffer body; one of a joiner starts with the next step.
+// A contact that is here already is one of a buffer body; one of a joiner starts with the next step. Call before
+// adopt_buffer: buffer_ must still be that of the last cycle.
 void SubWorld::adopt_impulses(const WorldSnapshot& snapshot) noexcept {
   for (const auto& given : snapshot.warm_starts)
     if (!world_.blend_impulses(given, last_sub_step_s(), buffer_.impulse_share(given.key)))

@@ -4,6 +4,7 @@
 
 #include "rt/physics/collision/collide.h"
 #include "rt/physics/collision/mesh_culling.h"
+#include "rt/physics/contact/find_contacts.h"
 #include "rt/physics/contact/pair_friction.h"
 #include "rt/physics/contact/redundant_points.h"
 #include "rt/physics/contact/rolling_side.h"
@@ -358,10 +359,9 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
 }
 
 bool ContactTable::blend_impulses(const WarmStart& given, double sub_step, double share) noexcept {
-  const auto from = std::lower_bound(contacts_.begin(), contacts_.end(), given.key,
-                                     [](const Contact& contact, const PairKey& key) { return contact.key < key; });
-  if (from == contacts_.end() || from->key != given.key) return false;
-  physics::blend_impulses(given, sub_step, share, *from);
+  const Contact* found = find_contact(contacts(), given.key);
+  if (found == nullptr) return false;
+  physics::blend_impulses(given, sub_step, share, contacts_[static_cast<std::uint32_t>(found - contacts_.begin())]);
   return true;
 }
 

@@ -7,10 +7,11 @@ namespace {
 
 constexpr std::uint32_t kNoPoint = kMaxManifoldPoints;
 
-// Index of the manifold's point with the feature, or kNoPoint.
-std::uint32_t point_of(const Manifold& manifold, std::uint32_t feature) noexcept {
-  for (std::uint32_t i = 0; i < manifold.count; ++i)
-    if (manifold.points[i].feature == feature) return i;
+// Index of the point with the feature, of a manifold or a contact, or kNoPoint.
+template <class Points>
+std::uint32_t point_of(const Points& of, std::uint32_t feature) noexcept {
+  for (std::uint32_t i = 0; i < of.count; ++i)
+    if (of.points[i].feature == feature) return i;
   return kNoPoint;
 }
 
@@ -60,17 +61,14 @@ StartImpulses start_impulses(const Manifold& manifold, const WarmStart& given, d
 void blend_impulses(const WarmStart& given, double sub_step, double share, Contact& contact) noexcept {
   const Tangents<double> along = tangents_of(contact.normal);
   const auto blend = [share](double& own, double other) noexcept { own += share * (other - own); };
-  for (std::uint32_t i = 0; i < contact.count; ++i) {
-    ContactPoint& point = contact.points[i];
-    const auto last = given.features.begin() + given.count;
-    const auto found = std::find(given.features.begin(), last, point.feature);
-    if (found == last) continue;
-    const auto j = static_cast<std::size_t>(found - given.features.begin());
+  for (std::uint32_t j = 0; j < given.count; ++j) {
+    const std::uint32_t i = point_of(contact, given.features[j]);
+    if (i == kNoPoint) continue;
     StartImpulse start;
     add(given.normal_force[j] * sub_step, given.friction_force[j] * sub_step, along, start);
-    blend(point.normal_impulse, start.normal);
-    blend(point.tangent_impulse[0], start.tangent[0]);
-    blend(point.tangent_impulse[1], start.tangent[1]);
+    blend(contact.points[i].normal_impulse, start.normal);
+    blend(contact.points[i].tangent_impulse[0], start.tangent[0]);
+    blend(contact.points[i].tangent_impulse[1], start.tangent[1]);
   }
 }
 
