@@ -349,6 +349,7 @@ physics::StepReport GlobalWorld::take_macro_step(std::uint32_t macro_step, std::
   note_member_velocities();
   const auto report = world_.finish_step(settings, {}, far);
   add_border_work();
+  add_hand_impulses();
   return report;
 }
 
@@ -368,6 +369,11 @@ void GlobalWorld::add_border_work() noexcept {
     device.border_work_J += work_J;
     statistics_.border_work_J += work_J;
   }
+}
+
+void GlobalWorld::add_hand_impulses() noexcept {
+  if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
+  for (std::uint32_t d = 0; d < devices_.size(); ++d) devices_[d].hand_impulse += world_.device_spring(d).step_impulse;
 }
 
 // Number of macro steps of the next step. One if a border exchanges the impulses of a whole step (ghosts use those of
@@ -408,7 +414,10 @@ void GlobalWorld::advance() noexcept {
   const std::uint32_t macro_steps = macro_steps_of_step();
   physics::StepReport report;
   std::uint32_t comparisons = 0;
-  for (Device& device : devices_) device.border_work_J = 0;
+  for (Device& device : devices_) {
+    device.border_work_J = 0;
+    device.hand_impulse = {};
+  }
   border_exchange_.begin_step();
   for (std::uint32_t macro_step = 0; macro_step < macro_steps; ++macro_step) {
     const std::uint32_t bits = report.capacity_bits;

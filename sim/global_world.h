@@ -161,6 +161,7 @@ class GlobalWorld {
     haptics::DeviceTarget target{};     // the device's state as the next step begins; target of hold_proxy's spring
     bool has_border{false};             // its last snapshot has border points
     double border_work_J{0};            // of outside bodies on its members, in the last step
+    Wrenchd hand_impulse{};             // N s, N m s: of the spring on the proxy, in the last step
     BodyVector<std::uint8_t> buffer{};  // 1 if in the buffer of its sub-world (border_buffer.h)
     // With several devices: steps since the body, or one jointed to it, last touched the proxy; 0: it does. At most
     // kLongApart.
@@ -196,6 +197,7 @@ class GlobalWorld {
   void look_at_overlaps(double deepest_m) noexcept;
   void note_member_velocities() noexcept;
   void add_border_work() noexcept;
+  void add_hand_impulses() noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
   void predict_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;

@@ -129,6 +129,7 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.epoch = epoch();
   next.component = device.extraction.statistics().component;
   next.border_work_J = 0;
+  next.hand_impulse = {};
   next.dropped = 0;
   next.proxy = bodies[device.proxy].motion;
   next.members.clear();
@@ -154,11 +155,12 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   count(device, next);
 }
 
-// Sends the global state of the last cycle's buffer bodies, then chooses the next buffer.
+// Sends the global state of the last cycle's members, then chooses the next buffer.
 void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
   const auto bodies = islands_.bodies();
+  next.hand_impulse = device.hand_impulse;
   for (const BodyIndex member : device.extraction.members())
-    if (device.buffer[member] != 0)
+    if (!device.extraction.is_joiner(member))
       (void)next.renewed.try_push({bodies[member].id, 0, bodies[member].motion});  // fits: at most one per member
   const BufferChoice::Surroundings around{world_.contacts(), islands_.awake(), next.outside.span()};
   const std::uint32_t uneven =
@@ -181,8 +183,8 @@ void GlobalWorld::fill_border(const Device& device, WorldSnapshot& next) noexcep
   if (!border_.ghosts) return;
   next.dropped += border_exchange_.add_approaching(approach_.find(world_, members, approach_horizon_s()), step, members,
                                                    next.border);
-  next.dropped +=
-      border_exchange_.fill_outside(world_, members, macro_step_s_, sub_step_s(), next.border.span(), next.outside);
+  next.dropped += border_exchange_.fill_outside(world_, members, {macro_step_s_, sub_step_s(), settings_.dt},
+                                                next.border.span(), next.outside);
 }
 
 // Copies whole bodies, bit by bit. Frozen members (static coupling) are sent every time, except the proxy, whose state

@@ -44,29 +44,33 @@ void take_back(const Contact& contact, physics::SlotIndex outside, physics::Worl
 }
 
 // A smooth acceleration over the step is extrapolated: the body slides to rest, swings or is pushed. If the velocity
-// changed by more than this fraction in the step, it fluctuates within the step or the body had an impact, and nothing
-// is extrapolated.
+// would change by more than this fraction in a cycle, it fluctuates within the step or the body had an impact, and
+// nothing is extrapolated.
 constexpr double kEven = 0.5;
 
-// Rate of a velocity expected over the next step, of its value at the end of this one and its mean over it; a
-// deceleration at most stops the motion within that step. `late_s`: from mid-step, where the mean is reached, to the
+// Growth of the members' force on an outside body from step to step up to which the force counts as lasting. Measured
+// range: 1.5 to 2 (tests/border/README.md).
+constexpr double kGrowth = 2;
+
+// Rate of a velocity expected over the next cycle, of its value at the end of the step and its mean over it; a
+// deceleration at most stops the motion within that cycle. `late_s`: from mid-step, where the mean is reached, to the
 // end.
-Vec3d rate_to_come(const Vec3d& end, const Vec3d& mean, double late_s, double step_s) noexcept {
+Vec3d rate_to_come(const Vec3d& end, const Vec3d& mean, double late_s, double cycle_s) noexcept {
   const Vec3d rate = (end - mean) * (1 / late_s);
-  const double change = step_s * norm(rate), speed = norm(end);
-  if (!(change > 0) || !(change <= kEven * std::max(speed, norm(end - step_s * rate)))) return {};
+  const double change = cycle_s * norm(rate), speed = norm(end);
+  if (!(change > 0) || !(change <= kEven * std::max(speed, norm(end - cycle_s * rate)))) return {};
   return rate * (dot(rate, end) < 0 ? std::min(1.0, speed / change) : 1.0);
 }
 
-// Acceleration of the body expected over the next step [m/s^2, rad/s^2].
-Twistd acceleration_to_come(const Body& body, const Posed& start, double step_s, double sub_step_s) noexcept {
-  const double late_s = 0.5 * (step_s - sub_step_s);
+// Acceleration of the body expected over the next cycle [m/s^2, rad/s^2].
+Twistd acceleration_to_come(const Body& body, const Posed& start, const StepTimes& times) noexcept {
+  const double late_s = 0.5 * (times.step_s - times.sub_step_s);
   if (!(late_s > 0)) return {};
   const auto& [pose, end] = body.motion;
   const Vec3d moved = pose.position - start.position;
   const Vec3d turned = rotation_vector_of(pose.rotation * conjugate(start.rotation));
-  return {rate_to_come(end.linear, moved * (1 / step_s), late_s, step_s),
-          rate_to_come(end.angular, turned * (1 / step_s), late_s, step_s)};
+  return {rate_to_come(end.linear, moved * (1 / times.step_s), late_s, times.cycle_s),
+          rate_to_come(end.angular, turned * (1 / times.step_s), late_s, times.cycle_s)};
 }
 
 // A joint between a member and an outside body, after a step.
@@ -158,6 +162,16 @@ BorderExchange::BorderExchange(std::uint32_t max_bodies, std::uint32_t max_conta
   points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
   loads_.reserve(std::size_t{haptics::kMaxBorderPoints} + max_joints);
   order_.reserve(points_.capacity());
+  force_now_.reserve(physics::kMaxSprings * loads_.capacity());
+  force_before_.reserve(force_now_.capacity());
+}
+
+void BorderExchange::begin_step() noexcept {
+  admittance_.begin_step();
+  force_before_.swap(force_now_);
+  force_now_.clear();
+  std::sort(force_before_.begin(), force_before_.end(),
+            [](const ForceOn& p, const ForceOn& q) { return p.outside < q.outside; });
 }
 
 std::uint32_t BorderExchange::fill(const StepContacts& step, std::span<const std::uint8_t> members, bool near_points,
@@ -231,12 +245,12 @@ std::uint32_t BorderExchange::add_approaching(std::span<const Approaching> pairs
 }
 
 std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::span<const std::uint8_t> members,
-                                           double step_s, double sub_step_s, std::span<const BorderPoint> border,
+                                           const StepTimes& times, std::span<const BorderPoint> border,
                                            FixedVector<OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept {
   outside.clear();
   collect_loads(world, members, border);
   if (loads_.empty()) return 0;
-  admittance_.index(world, added_inertia_, step_s);
+  admittance_.index(world, added_inertia_, times.step_s);
   std::uint32_t left_out = 0;
   for (std::size_t i = 0; i < loads_.size();) {
     const BodyId id = loads_[i].outside;
@@ -254,11 +268,22 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
       load += Wrenchd{loads_[i].force, loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force)};
     }
     body.admittance = touched ? answer.admittance : admittance_.free_admittance(slot);
-    const Twistd under_load = body.admittance * load;
-    body.drive = acceleration_to_come(found, world.last_poses()[number_of(slot)], step_s, sub_step_s) - under_load;
+    const double lasting = lasting_share(id, load);
+    const Twistd under_load = body.admittance * Wrenchd{lasting * load.force, lasting * load.torque};
+    body.drive = acceleration_to_come(found, world.last_poses()[number_of(slot)], times) - under_load;
     if (!outside.try_push(body)) ++left_out;
   }
   return left_out;
+}
+
+// A body that was not at the border after the step before may have been loaded then: all of its load counts.
+double BorderExchange::lasting_share(BodyId outside, const Wrenchd& load) noexcept {
+  const double now = norm(load.force);
+  force_now_.push_back({outside, now});
+  const auto before = std::lower_bound(force_before_.begin(), force_before_.end(), outside,
+                                       [](const ForceOn& force, BodyId body) { return force.outside < body; });
+  if (before == force_before_.end() || before->outside != outside) return 1;
+  return now > kGrowth * before->force_N ? kGrowth * before->force_N / now : 1;
 }
 
 // Sorted by outside body.

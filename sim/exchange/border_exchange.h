@@ -33,6 +33,11 @@ struct BodyOverStep {
   const physics::Body& body;
   const Posed& start;
 };
+// Durations of a step whose bodies fill_outside reads [s].
+struct StepTimes {
+  double step_s, sub_step_s;  // of the step, or of its last macro step
+  double cycle_s;             // of the cycle over which the outside bodies' motion is predicted
+};
 // A world's contacts after a step.
 struct StepContacts {
   std::span<const physics::Contact> contacts;
@@ -51,7 +56,7 @@ class BorderExchange {
   BorderExchange(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints, double added_inertia);
 
   // Call before each step.
-  void begin_step() noexcept { admittance_.begin_step(); }
+  void begin_step() noexcept;
 
   // Fills `border` from a step's contacts between a member (`members`, by slot: 1) and a dynamic body that is not a
   // member: every point with a normal impulse or an overlap, and with `near_points` every point that narrow phase
@@ -64,16 +69,18 @@ class BorderExchange {
   std::uint32_t add_approaching(std::span<const Approaching> pairs, const StepContacts& step,
                                 std::span<const std::uint8_t> members,
                                 FixedVector<haptics::BorderPoint, haptics::kMaxBorderPoints>& border) noexcept;
-  // Fills `outside` with the outside bodies of these border points and of joints to members, by id, after a step of
-  // `step_s` in sub-steps of `sub_step_s`. `members`: of the next cycle. Returns the number of bodies that did not fit:
-  // their points have no ghost.
+  // Fills `outside` with the outside bodies of these border points and of joints to members, by id, after a step.
+  // `members`: of the next cycle. Returns the number of bodies that did not fit: their points have no ghost.
   //
-  // A body's drive is its acceleration due to everything but the members: a - W P / step_s. a: its acceleration over
-  // the step, where it is expected to continue; P / step_s: the members' wrench on it, about its centre. Where the body
-  // rests on firm ground, W is 0 and so is the drive. For a body that no member touches yet, W is the admittance of
-  // the body alone: its contacts with the ground, which hold it at rest, do not stop it in an impact.
-  std::uint32_t fill_outside(const physics::World& world, std::span<const std::uint8_t> members, double step_s,
-                             double sub_step_s, std::span<const haptics::BorderPoint> border,
+  // A body's drive is its acceleration due to everything but the members: a - W L. a: its acceleration over the step,
+  // where it is expected to continue; L: the members' wrench on it, about its centre, as far as it lasts. Where the
+  // body rests on firm ground, W is 0 and so is the drive. For a body that no member touches yet, W is the admittance
+  // of the body alone: its contacts with the ground, which hold it at rest, do not stop it in an impact.
+  //
+  // An impact is no lasting load: were its mean over the step in L, the ghost would be driven against the member by as
+  // much for a whole cycle. So L is at most kGrowth times what it was after the step before.
+  std::uint32_t fill_outside(const physics::World& world, std::span<const std::uint8_t> members, const StepTimes& times,
+                             std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
 
  private:
@@ -86,11 +93,18 @@ class BorderExchange {
     Vec3d force, point;  // N; m
     Vec3d torque;        // N m
   };
+  struct ForceOn {
+    BodyId outside;
+    double force_N;  // of the members on it, as found: before the limit
+  };
+  // Share of the load that counts as lasting; notes it for the next step.
+  double lasting_share(BodyId outside, const Wrenchd& load) noexcept;
   void collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
                      std::span<const haptics::BorderPoint> border) noexcept;
 
   double added_inertia_;
   std::vector<Load> loads_;
+  std::vector<ForceOn> force_now_, force_before_;  // after this step and the one before; the latter by body
   ApparentInertia admittance_;
 };
 

@@ -15,6 +15,15 @@ constexpr double kHolds = 0.95;
 // A cycle's share of the global world's impulses in those between a buffer body and an inner member.
 constexpr double kMixedShare = 0.125;
 
+// Mean difference of a body's accelerations in the two worlds that a lasting load explains: an eighth of gravity.
+constexpr double kLasting_m_per_s2 = 9.80665 / 8;
+
+// The hand's impulse in the sub-world beyond that in the global world.
+Wrenchd hand_beyond(const WorldSnapshot& snapshot, const BorderBuffer::Cycle& cycle) noexcept {
+  return {cycle.hand_impulse.force - snapshot.hand_impulse.force,
+          cycle.hand_impulse.torque - snapshot.hand_impulse.torque};
+}
+
 // The point of the body at which friction holds it and the proxy together.
 struct Hold {
   bool holds{false};
@@ -52,8 +61,36 @@ double BorderBuffer::impulse_share(PairKey key) const noexcept {
   return key.with_fixed() || holds(key.low()) == holds(key.high()) ? 1.0 : kMixedShare;
 }
 
-BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId proxy, physics::World& world) noexcept {
-  Adopted adopted;
+// Does the velocity of an inner member differ from that in the global world by more than a lasting load explains?
+bool BorderBuffer::is_impact(const WorldSnapshot& snapshot, const Cycle& cycle,
+                             const physics::World& world) const noexcept {
+  if (!(cycle.duration_s > 0) || bodies_.empty()) return false;
+  for (const MemberMotion& renewed : snapshot.renewed) {
+    const physics::Body* body = world.find(renewed.id);
+    if (body == nullptr || holds(renewed.id)) continue;
+    Vec3d apart = body->motion.velocity.linear - renewed.motion.velocity.linear;
+    if (renewed.id == cycle.proxy) apart -= hand_beyond(snapshot, cycle).force * (1 / body->mass);
+    if (norm(apart) > kLasting_m_per_s2 * cycle.duration_s) return true;
+  }
+  return false;
+}
+
+void BorderBuffer::adopt_all(const WorldSnapshot& snapshot, const Cycle& cycle, physics::World& world,
+                             Adopted& adopted) const noexcept {
+  adopted.all_members = true;
+  for (const MemberMotion& renewed : snapshot.renewed) {
+    const std::optional<physics::SlotIndex> slot = world.slot_of(renewed.id);
+    if (!slot) continue;
+    auto& body = world.body(*slot);
+    adopted.gained_J -= kinetic_energy(body);
+    body.motion = renewed.motion;
+    if (renewed.id == cycle.proxy) world.apply_impulse(*slot, hand_beyond(snapshot, cycle));
+    adopted.gained_J += kinetic_energy(body);
+  }
+}
+
+void BorderBuffer::adopt_buffer(const WorldSnapshot& snapshot, BodyId proxy, physics::World& world,
+                                Adopted& adopted) const noexcept {
   double held = 0;
   for (const MemberMotion& renewed : snapshot.renewed) {
     const std::optional<physics::SlotIndex> slot = world.slot_of(renewed.id);
@@ -70,6 +107,15 @@ BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, BodyId 
     held += 1;
   }
   if (held > 0) adopted.proxy_carried *= 1 / held;
+}
+
+BorderBuffer::Adopted BorderBuffer::adopt(const WorldSnapshot& snapshot, const Cycle& cycle,
+                                          physics::World& world) noexcept {
+  Adopted adopted;
+  if (is_impact(snapshot, cycle, world))
+    adopt_all(snapshot, cycle, world, adopted);
+  else
+    adopt_buffer(snapshot, cycle.proxy, world, adopted);
   bodies_.clear();
   for (const BodyId id : snapshot.buffer)
     if (world.find(id) != nullptr) (void)bodies_.try_push(id);  // cannot fail: members only

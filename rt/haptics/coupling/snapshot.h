@@ -57,7 +57,7 @@ struct OutsideBody {
 
 struct MemberMotion {
   BodyId id{kNoBody};
-  std::uint32_t in_buffer{0};  // in a report, 1: a buffer body, whose state the global world keeps
+  std::uint32_t in_buffer{0};  // in a report, 1: the global world keeps the body's state, as a buffer body's
   physics::BodyMotion motion;
 };
 
@@ -68,12 +68,13 @@ struct WorldSnapshot {
   std::uint32_t component{0};  // bodies that the contact graph links to the proxy, capped or not
   std::uint32_t epoch{0};      // number of scene resets so far; a new value invalidates all earlier state
   double border_work_J{0};     // by outside bodies on members in the global step, with sign; ghost border only
+  Wrenchd hand_impulse;        // N s, N m s: of the device's spring on the proxy in the global step; ghost border only
   FixedVector<BodyId, kMaxMembers> members;         // of cycle n, ascending; always contains the proxy
   FixedVector<physics::Body, kMaxMembers> joiners;  // members of cycle n that were not members of cycle n - 1
   // Impulses of contacts with members and fixed bodies: of joiners, and of buffer bodies of cycle n - 1.
   FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;
   FixedVector<BodyId, kMaxMembers> buffer;         // border bodies of cycle n and uneven groups, ascending
-  FixedVector<MemberMotion, kMaxMembers> renewed;  // buffer bodies of cycle n - 1, at the end of the global step
+  FixedVector<MemberMotion, kMaxMembers> renewed;  // members of cycles n - 1 and n, at the end of the global step
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; ghost border only
   physics::BodyMotion proxy;                            // motion in the global world (interpolation coupling)

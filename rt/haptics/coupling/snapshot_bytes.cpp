@@ -45,7 +45,7 @@ bool is_sound(const WorldSnapshot& s, const physics::ShapeLists& shapes) noexcep
       return false;
   for (const MemberMotion& body : s.renewed)
     if (!is_finite(body.motion.pose) || !is_finite(body.motion.velocity)) return false;
-  return std::isfinite(s.border_work_J) && are_near_triangles(s, shapes.meshes);
+  return std::isfinite(s.border_work_J) && is_finite(s.hand_impulse) && are_near_triangles(s, shapes.meshes);
 }
 
 }  // namespace
@@ -57,6 +57,7 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   out.put(s.component);
   out.put(s.epoch);
   out.put(s.border_work_J);
+  out.put(s.hand_impulse);
   out.put(s.proxy);
   write_list(out, s.members);
   write_list(out, s.joiners);
@@ -77,6 +78,7 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, const physics::ShapeLists& 
   in.get(s.component);
   in.get(s.epoch);
   in.get(s.border_work_J);
+  in.get(s.hand_impulse);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
          read_list(in, s.buffer) && read_list(in, s.renewed) && read_list(in, s.border) && read_list(in, s.outside) &&

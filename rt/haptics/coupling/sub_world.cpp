@@ -38,7 +38,7 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   if (first) state_.tank.start(border_.budget_at_start_J);
   read_effects(snapshot.effects, false, world_);
   change_members(snapshot);
-  adopt_buffer(snapshot, report.mean_device_wrench.force);
+  adopt_buffer(snapshot, report);
   adopt_border(snapshot);
   adopt_near_triangles(snapshot);
   if (coupling_.members_frozen) freeze_all_but_proxy();
@@ -106,14 +106,27 @@ void SubWorld::adopt_impulses(const WorldSnapshot& snapshot) noexcept {
       world_.add_warm_start(given);
 }
 
-// Moves the proxy, and with it the end of the coupling's spring, by the displacement of the buffer bodies. The work
-// against the spring's force (mean of the last cycle) counts as energy of the border.
-void SubWorld::adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept {
-  const BorderBuffer::Adopted adopted = buffer_.adopt(snapshot, config_.proxy, world_);
-  state_.buffer_gain_J += adopted.gained_J - dot(coupling_force_N, adopted.proxy_carried);
+// Moves the proxy, and with it the end of the coupling's spring, by the displacement of the buffer bodies, or after an
+// impact to where the global world has it. The work against the spring's force (mean of the last cycle) counts as
+// energy of the border. What took the global world's state is reported so.
+void SubWorld::adopt_buffer(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept {
+  const bool on_time = state_.has_snapshot != 0 && state_.ticks_in_cycle == config_.ratio;
+  const BorderBuffer::Cycle cycle{.proxy = config_.proxy,
+                                  .duration_s = on_time ? config_.ratio * config_.step.dt : 0.0,
+                                  .hand_impulse = state_.cycle_impulse};
+  const BorderBuffer::Adopted adopted = buffer_.adopt(snapshot, cycle, world_);
+  state_.buffer_gain_J += adopted.gained_J;
   physics::Body* proxy = world_.find(config_.proxy);
-  if (proxy == nullptr || adopted.proxy_carried == Vec3d{}) return;
+  if (adopted.all_members)
+    for (MemberMotion& member : report.members) {
+      if (member.id == config_.proxy && proxy != nullptr)
+        member.motion = proxy->motion;
+      else
+        member.in_buffer = 1;
+    }
+  if (proxy == nullptr || (!adopted.all_members && adopted.proxy_carried == Vec3d{})) return;
   proxy->motion.pose.position += adopted.proxy_carried;
+  state_.buffer_gain_J -= dot(report.mean_device_wrench.force, proxy->motion.pose.position - proxy_.pose.position);
   proxy_ = proxy->motion;
 }
 

@@ -68,7 +68,7 @@ class SubWorld {
   bool exchanges() const noexcept { return coupling_.global_world; }
   double proxy_work_J() const noexcept { return state_.proxy_work_J; }  // by the coupling on the proxy, since the start
   double border_work_J() const noexcept;                                // by the border on members, since the start
-  // Energy that members gained, with sign, when buffer bodies took the global world's state; since the start.
+  // Energy that members gained, with sign, by taking the global world's state; since the start.
   double buffer_gain_J() const noexcept { return state_.buffer_gain_J; }
   double border_tank_J() const noexcept { return state_.tank.stored_J; }  // energy that the border may still supply
   double border_owed_J() const noexcept { return state_.tank.owed_J; }    // energy that it supplied beyond its budget
@@ -106,7 +106,7 @@ class SubWorld {
   void change_members(const WorldSnapshot& snapshot) noexcept;
   void adopt_impulses(const WorldSnapshot& snapshot) noexcept;
   void adopt_border(const WorldSnapshot& snapshot) noexcept;
-  void adopt_buffer(const WorldSnapshot& snapshot, const Vec3d& coupling_force_N) noexcept;
+  void adopt_buffer(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept;
   void adopt_near_triangles(const WorldSnapshot& snapshot) noexcept;
   void freeze_all_but_proxy() noexcept;
 

@@ -308,7 +308,7 @@ TEST_CASE("An outside body that slides to rest is reported with its deceleration
   const auto told = [&] {
     step(*world);
     log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, slab_is_member, false, *border);
-    REQUIRE(log.fill_outside(*world, slab_is_member, kStep_s, kStep_s / 10, border->span(), outside) == 0);
+    REQUIRE(log.fill_outside(*world, slab_is_member, {kStep_s, kStep_s / 10, kStep_s}, border->span(), outside) == 0);
     REQUIRE(outside.size() == 1);
     return outside[0].drive.linear + member_answer(outside[0], border->span()).linear;
   };
@@ -335,10 +335,56 @@ TEST_CASE("An outside body that turns faster and faster is reported with its ang
   auto border = std::make_unique<Border>();
   FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
   log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, kCardIsMember, false, *border);
-  REQUIRE(log.fill_outside(*world, kCardIsMember, kStep_s, kStep_s / 10, border->span(), outside) == 0);
+  REQUIRE(log.fill_outside(*world, kCardIsMember, {kStep_s, kStep_s / 10, kStep_s}, border->span(), outside) == 0);
   REQUIRE(outside.size() == 1);
   const Twistd to_come = outside[0].drive + member_answer(outside[0], border->span());
   CHECK(to_come.angular.z == Approx(acceleration).epsilon(0.02));
+}
+
+// The mean force of an impact in the drive would push the ghost against the member for a whole cycle.
+TEST_CASE("Of a load that more than doubles in a step twice the former one counts as lasting") {
+  auto world = card_on_slab();
+  step(*world);
+  BorderExchange log(4, 16, 0, kRigid);
+  auto border = std::make_unique<Border>();
+  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
+  const auto drive_under = [&](double force_N) {
+    border->clear();
+    haptics::BorderPoint point;
+    point.member = 1;
+    point.outside = 0;
+    point.normal = {0, 0, 1};
+    point.outside_point = world->bodies()[0].motion.pose.position;
+    point.impulse_rate_N = force_N;
+    REQUIRE(border->try_push(point));
+    log.begin_step();
+    REQUIRE(log.fill_outside(*world, kCardIsMember, {kStep_s, kStep_s / 10, kStep_s}, border->span(), outside) == 0);
+    REQUIRE(outside.size() == 1);
+    return outside[0].drive.linear.z;
+  };
+  const double of_5_N = drive_under(5);  // not known before: all of it
+  const double per_N = (drive_under(6) - of_5_N) / 1;
+  CHECK(per_N == Approx(1 / 20.0).epsilon(1e-6));
+  CHECK(drive_under(60) - of_5_N == Approx(per_N * (2 * 6 - 5)).epsilon(1e-9));
+  CHECK(drive_under(60) - of_5_N == Approx(per_N * (60 - 5)).epsilon(1e-9));  // it lasts
+  CHECK(drive_under(1) - of_5_N == Approx(per_N * (1 - 5)).epsilon(1e-9));
+}
+
+TEST_CASE("The acceleration over a macro step is extrapolated where it is even over the cycle") {
+  auto world = card_on_slab();
+  BorderExchange log(4, 16, 0, kRigid);
+  auto border = std::make_unique<Border>();
+  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
+  const std::vector<std::uint8_t> slab_is_member{1, 0};
+  step(*world);
+  log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, slab_is_member, false, *border);
+  const auto sliding = [&](double cycle_s) {
+    REQUIRE(log.fill_outside(*world, slab_is_member, {kStep_s, kStep_s / 10, cycle_s}, border->span(), outside) == 0);
+    return norm(outside[0].drive.linear + member_answer(outside[0], border->span()).linear);
+  };
+  REQUIRE(sliding(kStep_s) > 0.1);
+  CHECK(sliding(2 * kStep_s) == Approx(sliding(kStep_s)));
+  CHECK(sliding(1000 * kStep_s) == 0);
 }
 
 TEST_CASE("An outside body is reported with its motion") {
@@ -349,7 +395,7 @@ TEST_CASE("An outside body is reported with its motion") {
   REQUIRE(log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, kCardIsMember, false, *border) ==
           0);
   FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
-  REQUIRE(log.fill_outside(*world, kCardIsMember, kStep_s, kStep_s / 10, border->span(), outside) == 0);
+  REQUIRE(log.fill_outside(*world, kCardIsMember, {kStep_s, kStep_s / 10, kStep_s}, border->span(), outside) == 0);
   REQUIRE(outside.size() == 1);
   CHECK(outside[0].id == 0);
   CHECK(outside[0].centre == world->bodies()[0].motion.pose.position);

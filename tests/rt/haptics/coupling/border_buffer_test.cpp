@@ -29,9 +29,9 @@ Bench bench_with_buffer() {
 
 TEST_CASE("A buffer body takes the global world's state at a synchronisation, an inner member keeps its own") {
   Bench bench = bench_with_buffer();
-  const physics::BodyMotion other{{{0.5, 0.25, -0.125}, {}}, {{0.1, 0, 0}, {0, 0, 2}}};
+  const physics::BodyMotion other{{{0.5, 0.25, -0.125}, {}}, {{0.005, 0, 0}, {0, 0, 2}}};
   const auto own = bench.motion(1);
-  REQUIRE(bench.snapshot->renewed.try_push({1, 0, other}));  // was no buffer body: not to be believed
+  REQUIRE(bench.snapshot->renewed.try_push({1, 0, other}));  // no buffer body, and 5 mm/s is less than g T / 8
   REQUIRE(bench.snapshot->renewed.try_push({2, 0, other}));
   bench.synchronise();
   CHECK(bench.motion(2) == other);
@@ -62,6 +62,44 @@ TEST_CASE("A buffer body that turns inner goes on from the global world's state 
   bench.synchronise();
   CHECK(bench.motion(2) == moved);
   CHECK(bench.report->members[1].in_buffer == 0);
+}
+
+// 10 mm/s is more than g T / 8, T: 5 ms: an inner member and a buffer body have hit each other in one of the worlds.
+TEST_CASE("If an inner member's velocities differ by more than gravity explains all members take the global state") {
+  const std::uint32_t late_ticks = GENERATE(0, 1);
+  Bench bench = bench_with_buffer();
+  bench.step(late_ticks);
+  const physics::BodyMotion stopped{{{0.5, 0.25, 0}, {}}, {}}, moved{{{1.5, 0.25, 0}, {}}, {{0.01, 0, 0}, {0, 0, 1}}};
+  const auto own = bench.motion(1);
+  REQUIRE(bench.snapshot->renewed.try_push({1, 0, moved}));
+  REQUIRE(bench.snapshot->renewed.try_push({2, 0, stopped}));
+  bench.synchronise();
+  CHECK(bench.motion(2) == stopped);
+  CHECK(bench.motion(1) == (late_ticks == 0 ? moved : own));  // a late world's state is of another time
+  CHECK(bench.report->members[0].in_buffer == (late_ticks == 0 ? 1 : 0));
+  CHECK(bench.report->members[1].in_buffer == 1);
+}
+
+TEST_CASE("The proxy takes the global state too and gets what the hand's impulse was beyond that in the global step") {
+  Bench bench(ghost_config());
+  bench.next_with({ball(kProxy, {}), ball(2, {1, 0, 0})});
+  REQUIRE(bench.snapshot->buffer.try_push(2));
+  bench.synchronise();
+  bench.step(5, target_at({1e-3, 0, 0}));
+  bench.next({kProxy, 2});
+  const physics::BodyMotion global{{{-1e-3, 0, 0}, {}}, {{-0.5, 0.1, 0}, {}}};
+  bench.snapshot->hand_impulse.force = {0.01, -0.02, 0};
+  REQUIRE(bench.snapshot->renewed.try_push({kProxy, 0, global}));
+  bench.synchronise();
+  const Vec3d by_hand = 5 * kTick_s * bench.report->mean_device_wrench.force;
+  REQUIRE(by_hand.x > 1e-3);
+  const auto proxy = bench.motion(kProxy);
+  check_close(proxy.velocity.linear,
+              global.velocity.linear + (by_hand - bench.snapshot->hand_impulse.force) * (1 / kMass), 1e-12);
+  CHECK(proxy.pose == global.pose);
+  CHECK(bench.report->members[0].in_buffer == 0);
+  CHECK(bench.report->members[0].motion == proxy);
+  CHECK(bench.sub_world.proxy() == proxy);
 }
 
 namespace {
@@ -162,7 +200,7 @@ TEST_CASE("A saved buffer comes back, and bytes that are no buffer of these bodi
   REQUIRE(snapshot->buffer.try_push(2));
   physics::World world(bench.sub_world.config().capacities);
   for (const auto& body : bench.sub_world.world().bodies()) REQUIRE(world.insert(body));
-  (void)buffer.adopt(*snapshot, make_config().proxy, world);
+  (void)buffer.adopt(*snapshot, {.proxy = make_config().proxy, .duration_s = 0, .hand_impulse = {}}, world);
   std::vector<std::byte> bytes(haptics::BorderBuffer::kMaxBytes);
   ByteWriter out(bytes);
   buffer.save(out);

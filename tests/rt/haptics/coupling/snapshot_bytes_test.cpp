@@ -14,7 +14,7 @@ using namespace tactus::haptics;
 
 namespace {
 
-constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + 8 + sizeof(physics::BodyMotion);
+constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + 8 + sizeof(Wrenchd) + sizeof(physics::BodyMotion);
 
 physics::BodyMotion random_motion(test::Random& random) {
   return {{random.vector(10), quat_from_rotation_vector(random.vector(1))}, {random.vector(2), random.vector(5)}};
@@ -29,6 +29,7 @@ std::unique_ptr<WorldSnapshot> random_snapshot(std::uint64_t seed, const Counts&
   auto s = std::make_unique<WorldSnapshot>();
   s->cycle = 1000 + seed;
   s->global_time_s = random(0, 100);
+  s->hand_impulse = {{random(-1, 1), random(-1, 1), 0}, {0, 0, random(-1, 1)}};
   s->dropped = 3;
   s->component = 400;
   s->proxy = random_motion(random);
@@ -107,6 +108,7 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     REQUIRE(read(bytes, *back));
     CHECK(back->cycle == s->cycle);
     CHECK(back->global_time_s == s->global_time_s);
+    CHECK(back->hand_impulse == s->hand_impulse);
     CHECK(back->dropped == s->dropped);
     CHECK(back->component == s->component);
     CHECK(back->epoch == s->epoch);

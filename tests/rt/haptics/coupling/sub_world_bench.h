@@ -84,6 +84,7 @@ struct Bench {
     snapshot->outside.clear();
     snapshot->buffer.clear();
     snapshot->renewed.clear();
+    snapshot->hand_impulse = {};
     for (const BodyId id : members) REQUIRE(snapshot->members.try_push(id));
     return *snapshot;
   }
