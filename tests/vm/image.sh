@@ -98,12 +98,15 @@ unpack_kernel() {
     xz -dc >"$2"
 }
 
+# A mirror may have the kernel's parts in two revisions for some hours: what runs is of one version, the tools that build
+# modules (kbuild) are any of the release's, and the source is of the same upstream version.
 get_packages() {
-  local release=$1 version=$2 package
+  local release=$1 version=$2 package source
   local packages=("linux-image-$release=$version" "linux-headers-$release=$version"
-    "linux-headers-${release%-rt-amd64}-common-rt=$version" "linux-kbuild-${release%%.0-*}=$version" udev libkmod2)
+    "linux-headers-${release%-rt-amd64}-common-rt=$version" "linux-kbuild-${release%%.0-*}" udev libkmod2)
   kernel_source=/usr/src/linux-source-${release%%.0-*}.tar.xz
-  if [[ $(dpkg-query -W -f='${Version}' "linux-source-${release%%.0-*}" 2>/dev/null) != "$version" ]]; then
+  source=$(dpkg-query -W -f='${Version}' "linux-source-${release%%.0-*}" 2>/dev/null)
+  if [[ ${source%-*} != "${version%-*}" ]]; then
     packages+=("linux-source-${release%%.0-*}=$version")
     kernel_source=$work/debian$kernel_source
   fi

@@ -66,7 +66,7 @@ TEST_CASE("A buffer body that turns inner goes on from the global world's state 
 
 // 10 mm/s is more than g T / 8, T: 5 ms: an inner member and a buffer body have hit each other in one of the worlds.
 TEST_CASE("If an inner member's velocities differ by more than gravity explains all members take the global state") {
-  const std::uint32_t late_ticks = GENERATE(0, 1);
+  const std::uint32_t late_ticks = GENERATE(0u, 1u);
   Bench bench = bench_with_buffer();
   bench.step(late_ticks);
   const physics::BodyMotion stopped{{{0.5, 0.25, 0}, {}}, {}}, moved{{{1.5, 0.25, 0}, {}}, {{0.01, 0, 0}, {0, 0, 1}}};
@@ -76,7 +76,7 @@ TEST_CASE("If an inner member's velocities differ by more than gravity explains 
   bench.synchronise();
   CHECK(bench.motion(2) == stopped);
   CHECK(bench.motion(1) == (late_ticks == 0 ? moved : own));  // a late world's state is of another time
-  CHECK(bench.report->members[0].in_buffer == (late_ticks == 0 ? 1 : 0));
+  CHECK(bench.report->members[0].in_buffer == (late_ticks == 0 ? 1u : 0u));
   CHECK(bench.report->members[1].in_buffer == 1);
 }
 
