@@ -268,8 +268,7 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
       load += Wrenchd{loads_[i].force, loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force)};
     }
     body.admittance = touched ? answer.admittance : admittance_.free_admittance(slot);
-    const double lasting = lasting_share(id, load);
-    const Twistd under_load = body.admittance * Wrenchd{lasting * load.force, lasting * load.torque};
+    const Twistd under_load = body.admittance * (lasting_share(id, load) * load);
     body.drive = acceleration_to_come(found, world.last_poses()[number_of(slot)], times) - under_load;
     if (!outside.try_push(body)) ++left_out;
   }

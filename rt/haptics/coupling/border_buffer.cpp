@@ -20,8 +20,7 @@ constexpr double kLasting_m_per_s2 = 9.80665 / 8;
 
 // The hand's impulse in the sub-world beyond that in the global world.
 Wrenchd hand_beyond(const WorldSnapshot& snapshot, const BorderBuffer::Cycle& cycle) noexcept {
-  return {cycle.hand_impulse.force - snapshot.hand_impulse.force,
-          cycle.hand_impulse.torque - snapshot.hand_impulse.torque};
+  return cycle.hand_impulse - snapshot.hand_impulse;
 }
 
 // The point of the body at which friction holds it and the proxy together.

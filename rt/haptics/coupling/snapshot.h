@@ -74,7 +74,7 @@ struct WorldSnapshot {
   // Impulses of contacts with members and fixed bodies: of joiners, and of buffer bodies of cycle n - 1.
   FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;
   FixedVector<BodyId, kMaxMembers> buffer;         // border bodies of cycle n and uneven groups, ascending
-  FixedVector<MemberMotion, kMaxMembers> renewed;  // members of cycles n - 1 and n, at the end of the global step
+  FixedVector<MemberMotion, kMaxMembers> renewed;  // of both cycles, n - 1 and n, at the end of the global step
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; ghost border only
   physics::BodyMotion proxy;                            // motion in the global world (interpolation coupling)

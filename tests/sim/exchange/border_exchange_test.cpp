@@ -87,7 +87,30 @@ std::vector<haptics::BorderReturn> returns(const Vec3d& first, const Vec3d& seco
   return {a, b};
 }
 
-const std::vector<std::uint8_t> kCardIsMember{0, 1};
+const std::vector<std::uint8_t> kCardIsMember{0, 1}, kSlabIsMember{1, 0};
+
+// A card on a slab, and the border that the exchange fills after a step.
+struct CardOnSlab {
+  std::unique_ptr<World> world = card_on_slab();
+  BorderExchange log{4, 16, 0, kRigid};
+  std::unique_ptr<Border> border = std::make_unique<Border>();
+  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
+
+  std::uint32_t fill(const std::vector<std::uint8_t>& members) {
+    return log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, members, false, *border);
+  }
+  // The only outside body, of `border` as it is.
+  const haptics::OutsideBody& outside_body(const std::vector<std::uint8_t>& members, double cycle_s = kStep_s) {
+    REQUIRE(log.fill_outside(*world, members, {kStep_s, kStep_s / 10, cycle_s}, border->span(), outside) == 0);
+    REQUIRE(outside.size() == 1);
+    return outside[0];
+  }
+  // Its acceleration, the members' load included.
+  Twistd acceleration(const std::vector<std::uint8_t>& members, double cycle_s = kStep_s) {
+    const haptics::OutsideBody& body = outside_body(members, cycle_s);
+    return body.drive + member_answer(body, border->span());
+  }
+};
 
 }  // namespace
 
@@ -300,70 +323,53 @@ TEST_CASE("When border points do not fit, those that press least are left out an
 }
 
 TEST_CASE("An outside body that slides to rest is reported with its deceleration, one that vibrates or stops without") {
-  auto world = card_on_slab();
-  BorderExchange log(4, 16, 0, kRigid);
-  auto border = std::make_unique<Border>();
-  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
-  const std::vector<std::uint8_t> slab_is_member{1, 0};
+  CardOnSlab bench;
   const auto told = [&] {
-    step(*world);
-    log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, slab_is_member, false, *border);
-    REQUIRE(log.fill_outside(*world, slab_is_member, {kStep_s, kStep_s / 10, kStep_s}, border->span(), outside) == 0);
-    REQUIRE(outside.size() == 1);
-    return outside[0].drive.linear + member_answer(outside[0], border->span()).linear;
+    step(*bench.world);
+    bench.fill(kSlabIsMember);
+    return bench.acceleration(kSlabIsMember).linear;
   };
   const Vec3d sliding = told(), direction = normalized_or(Vec3d{0.5, 0.2, 0}, Vec3d{1, 0, 0});
   CHECK(dot(sliding, direction) == Approx(-0.4 * kPress_N).epsilon(0.02));
-  CHECK(sliding.z == Approx(kPress_N - 9.81).margin(0.1));   // both fall
-  world->bodies()[1].motion.velocity.linear = {0.05, 0, 0};  // four fifths of it go in a step
+  CHECK(sliding.z == Approx(kPress_N - 9.81).margin(0.1));         // both fall
+  bench.world->bodies()[1].motion.velocity.linear = {0.05, 0, 0};  // four fifths of it go in a step
   const Vec3d stopping = told();
   CHECK(stopping == Vec3d{});
 }
 
 TEST_CASE("An outside body that turns faster and faster is reported with its angular acceleration") {
-  auto world = card_on_slab();
+  CardOnSlab bench;
   const auto turn = [&] {
-    world->apply_wrench(0_slot, {{}, {0, 0, 0.5}});
-    step(*world);
+    bench.world->apply_wrench(0_slot, {{}, {0, 0, 0.5}});
+    step(*bench.world);
   };
   for (int i = 0; i < 20; ++i) turn();
-  const double before = world->bodies()[0].motion.velocity.angular.z;
+  const double before = bench.world->bodies()[0].motion.velocity.angular.z;
   turn();
-  const double acceleration = (world->bodies()[0].motion.velocity.angular.z - before) / kStep_s;
+  const double acceleration = (bench.world->bodies()[0].motion.velocity.angular.z - before) / kStep_s;
   REQUIRE(acceleration > 0.1);
-  BorderExchange log(4, 16, 0, kRigid);
-  auto border = std::make_unique<Border>();
-  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
-  log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, kCardIsMember, false, *border);
-  REQUIRE(log.fill_outside(*world, kCardIsMember, {kStep_s, kStep_s / 10, kStep_s}, border->span(), outside) == 0);
-  REQUIRE(outside.size() == 1);
-  const Twistd to_come = outside[0].drive + member_answer(outside[0], border->span());
-  CHECK(to_come.angular.z == Approx(acceleration).epsilon(0.02));
+  bench.fill(kCardIsMember);
+  CHECK(bench.acceleration(kCardIsMember).angular.z == Approx(acceleration).epsilon(0.02));
 }
 
 // The mean force of an impact in the drive would push the ghost against the member for a whole cycle.
 TEST_CASE("Of a load that more than doubles in a step twice the former one counts as lasting") {
-  auto world = card_on_slab();
-  step(*world);
-  BorderExchange log(4, 16, 0, kRigid);
-  auto border = std::make_unique<Border>();
-  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
+  CardOnSlab bench;
+  step(*bench.world);
   const auto drive_under = [&](double force_N) {
-    border->clear();
     haptics::BorderPoint point;
     point.member = 1;
     point.outside = 0;
     point.normal = {0, 0, 1};
-    point.outside_point = world->bodies()[0].motion.pose.position;
+    point.outside_point = bench.world->bodies()[0].motion.pose.position;
     point.impulse_rate_N = force_N;
-    REQUIRE(border->try_push(point));
-    log.begin_step();
-    REQUIRE(log.fill_outside(*world, kCardIsMember, {kStep_s, kStep_s / 10, kStep_s}, border->span(), outside) == 0);
-    REQUIRE(outside.size() == 1);
-    return outside[0].drive.linear.z;
+    bench.border->clear();
+    REQUIRE(bench.border->try_push(point));
+    bench.log.begin_step();
+    return bench.outside_body(kCardIsMember).drive.linear.z;
   };
   const double of_5_N = drive_under(5);  // not known before: all of it
-  const double per_N = (drive_under(6) - of_5_N) / 1;
+  const double per_N = drive_under(6) - of_5_N;
   CHECK(per_N == Approx(1 / 20.0).epsilon(1e-6));
   CHECK(drive_under(60) - of_5_N == Approx(per_N * (2 * 6 - 5)).epsilon(1e-9));
   CHECK(drive_under(60) - of_5_N == Approx(per_N * (60 - 5)).epsilon(1e-9));  // it lasts
@@ -371,43 +377,31 @@ TEST_CASE("Of a load that more than doubles in a step twice the former one count
 }
 
 TEST_CASE("The acceleration over a macro step is extrapolated where it is even over the cycle") {
-  auto world = card_on_slab();
-  BorderExchange log(4, 16, 0, kRigid);
-  auto border = std::make_unique<Border>();
-  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
-  const std::vector<std::uint8_t> slab_is_member{1, 0};
-  step(*world);
-  log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, slab_is_member, false, *border);
-  const auto sliding = [&](double cycle_s) {
-    REQUIRE(log.fill_outside(*world, slab_is_member, {kStep_s, kStep_s / 10, cycle_s}, border->span(), outside) == 0);
-    return norm(outside[0].drive.linear + member_answer(outside[0], border->span()).linear);
-  };
+  CardOnSlab bench;
+  step(*bench.world);
+  bench.fill(kSlabIsMember);
+  const auto sliding = [&](double cycle_s) { return norm(bench.acceleration(kSlabIsMember, cycle_s).linear); };
   REQUIRE(sliding(kStep_s) > 0.1);
   CHECK(sliding(2 * kStep_s) == Approx(sliding(kStep_s)));
   CHECK(sliding(1000 * kStep_s) == 0);
 }
 
 TEST_CASE("An outside body is reported with its motion") {
-  auto world = card_on_slab();
-  step(*world);
-  BorderExchange log(4, 16, 0, kRigid);
-  auto border = std::make_unique<Border>();
-  REQUIRE(log.fill({world->contacts(), world->bodies(), world->last_poses(), kStep_s}, kCardIsMember, false, *border) ==
-          0);
-  FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies> outside;
-  REQUIRE(log.fill_outside(*world, kCardIsMember, {kStep_s, kStep_s / 10, kStep_s}, border->span(), outside) == 0);
-  REQUIRE(outside.size() == 1);
-  CHECK(outside[0].id == 0);
-  CHECK(outside[0].centre == world->bodies()[0].motion.pose.position);
-  CHECK(norm(outside[0].velocity.linear - world->bodies()[0].motion.velocity.linear) < 1e-12);
-  CHECK(norm(outside[0].velocity.angular - world->bodies()[0].motion.velocity.angular) < 1e-12);
-  CHECK(outside[0].admittance.linear.xx == Approx(1 / 20.0).epsilon(1e-9));  // nothing holds the slab
+  CardOnSlab bench;
+  step(*bench.world);
+  REQUIRE(bench.fill(kCardIsMember) == 0);
+  const haptics::OutsideBody& outside = bench.outside_body(kCardIsMember);
+  const auto& slab = bench.world->bodies()[0];
+  CHECK(outside.id == 0);
+  CHECK(outside.centre == slab.motion.pose.position);
+  CHECK(norm(outside.velocity.linear - slab.motion.velocity.linear) < 1e-12);
+  CHECK(norm(outside.velocity.angular - slab.motion.velocity.angular) < 1e-12);
+  CHECK(outside.admittance.linear.xx == Approx(1 / 20.0).epsilon(1e-9));  // nothing holds the slab
   // Its own share of the contact's inverse mass: 1 / M and the corner's lever_arm on its inertia.
-  const auto& slab = world->bodies()[0];
-  const Vec3d r = (*border)[0].outside_point - slab.motion.pose.position;
-  CHECK((*border)[0].outside_inverse_mass ==
+  const Vec3d r = (*bench.border)[0].outside_point - slab.motion.pose.position;
+  CHECK((*bench.border)[0].outside_inverse_mass ==
         Approx(1 / 20.0 + r.y * r.y / slab.inertia.x + r.x * r.x / slab.inertia.y).epsilon(1e-3));
   Vec3d friction;
-  for (const auto& point : *border) friction += point.friction_N;
-  CHECK(norm(friction + friction_on_slab(*world) * (1 / kStep_s)) < 1e-12);
+  for (const auto& point : *bench.border) friction += point.friction_N;
+  CHECK(norm(friction + friction_on_slab(*bench.world) * (1 / kStep_s)) < 1e-12);
 }
