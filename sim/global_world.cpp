@@ -9,6 +9,7 @@
 
 #include "rt/haptics/coupling/snapshot_bytes.h"
 #include "rt/physics/macro_steps.h"
+#include "sim/exchange/sub_world_config.h"
 #include "sim/model/scene_effects.h"
 #include "sim/model/step_settings.h"
 #include "sim/model/world_capacities.h"
@@ -30,10 +31,17 @@ constexpr double kWrenchExtrapolation = 0.9;
 // With more bodies awake, a step is taken in one macro step.
 constexpr std::size_t kMaxBodiesInMacroSteps = 500;
 
+unsigned haptic_sub_steps_of(const Scene& scene, const GlobalOptions& options) noexcept {
+  return options.haptic_sub_steps != 0 ? options.haptic_sub_steps : scene.solver.sub_steps;
+}
+
 // The sub-steps of the global step may be longer than those of the haptic thread: more relax sweeps may be needed.
 physics::StepSettings settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
-  physics::StepSettings settings = step_settings(scene, options.reach.ratio * options.reach.tick_period_s,
-                                                 scene.solver.global_sub_steps(options.reach.ratio));
+  const bool ghosts = traits_of(options.coupling).border && traits_of(options.border_mode).ghosts;
+  const unsigned ratio = options.reach.ratio;
+  physics::StepSettings settings =
+      step_settings(scene, ratio * options.reach.tick_period_s,
+                    global_sub_steps(scene, ratio, haptic_sub_steps_of(scene, options), ghosts));
   settings.relax_sweeps = std::max(
       settings.relax_sweeps, physics::least_relax_sweeps(settings.contact_hertz, settings.dt / settings.sub_steps));
   return settings;
@@ -118,7 +126,6 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
                        static_cast<std::uint32_t>(scene.effect_data.joints.size()),
                        physics::Softness<double>::added_inertia(settings_.contact_hertz,
                                                                 settings_.contact_damping_ratio, settings_.dt)),
-      buffer_choice_(capacities_for(scene).bodies),
       bounds_(capacities_for(scene).bodies),
       free_(capacities_for(scene).bodies),
       held_(capacities_for(scene).bodies) {
@@ -136,7 +143,9 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     }
   }
   regions_.resize(devices_.size());
-  if (scene.solver.far_sub_steps_per_tick > 0)
+  // Unless the scene asks for fewer, far islands have as many: an island that changes between the two would creep.
+  if (scene.solver.far_sub_steps_per_tick > 0 &&
+      scene.solver.far_sub_steps_per_tick < scene.solver.global_sub_steps_per_tick)
     bounds_settings_.sub_steps = scene.solver.far_sub_steps(options.reach.ratio);
   statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
@@ -163,7 +172,16 @@ void GlobalWorld::add_device(const Scene& scene, const FurtherDevice& added) {
        .gains = added.gains,
        .reach = reach,
        .reported_proxy = islands_.bodies()[proxy].motion.pose});
-  devices_.back().buffer = BodyVector<std::uint8_t>(islands_.bodies().size());
+  if (!coupling_.border || !border_.ghosts) return;
+  const SubWorldChoice choice{.coupling = options_.coupling,
+                              .border = options_.border_mode,
+                              .proxy = added.proxy,
+                              .ratio = reach.ratio,
+                              .tick_period_s = reach.tick_period_s,
+                              .sub_steps = haptic_sub_steps_of(scene, options_),
+                              .members = options_.extraction.cap,
+                              .gains = added.gains};
+  predictions_.push_back(std::make_unique<SubWorldPrediction>(sub_world_config(scene, choice), fixed_bodies_of(scene)));
 }
 
 physics::SlotIndex GlobalWorld::slot_of(const Device& device) const noexcept {
@@ -208,8 +226,9 @@ void GlobalWorld::first_snapshot(WorldSnapshot& first, std::uint32_t device) noe
 void GlobalWorld::fill_first(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
                              WorldSnapshot& next) noexcept {
   find_touches_at_rest();
-  fill_snapshot(device, cycle, budget, next);
+  choose_members(device, cycle, budget, next);
   if (coupling_.border) predict_border(device, next);
+  if (predicts()) predictions_[device]->adopt(next);
 }
 
 // Resets the world to the scene's start; the statistics continue.
@@ -302,6 +321,10 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   }
   if (coupling_.device_load == haptics::DeviceLoad::kSpring) {
     take_target(device, report);
+    if (predicts()) {
+      return_not_predicted(device_index, report);
+      predictions_[device_index]->run(report, device.target);
+    }
     return;
   }
   // Extrapolates the mean device wrench of the last cycle. The change is limited to the wrench's magnitude, so that a
@@ -314,14 +337,41 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   device.held_before = mean;
 }
 
-// Copies pose and velocity of the inner members, bit by bit; with the static coupling only the proxy's, since the other
+PredictionWork GlobalWorld::prediction_work() const noexcept {
+  PredictionWork work;
+  for (const auto& prediction : predictions_) {
+    const haptics::SubWorld& sub_world = prediction->sub_world();
+    const physics::StepReport& tick = prediction->last_tick();
+    work.sub_steps = sub_world.config().step.sub_steps;
+    work.members += sub_world.members();
+    work.border += sub_world.border_contacts();
+    work.pairs += tick.pairs;
+    work.contacts += tick.contacts;
+    work.points += tick.points;
+    work.comparisons += tick.comparisons;
+  }
+  return work;
+}
+
+void GlobalWorld::return_not_predicted(std::uint32_t device, const SubWorldReport& report) noexcept {
+  for (const haptics::OutsideImpulse& given : predictions_[device]->not_predicted(report)) {
+    const std::optional<physics::SlotIndex> slot = world_.slot_of(given.id);
+    if (!slot) continue;
+    statistics_.returned_energy_J -= kinetic_energy(world_.body(*slot));
+    world_.apply_impulse(*slot, given.impulse);
+    statistics_.returned_energy_J += kinetic_energy(world_.body(*slot));
+    statistics_.returned_impulse_Ns += norm(given.impulse.force);
+  }
+}
+
+// Copies pose and velocity of the members, bit by bit; with the static coupling only the proxy's, since the other
 // members were frozen.
 void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) noexcept {
   double before = 0, after = 0;
   for (const auto& member : report.members) {
     Body* const body = world_.find(member.id);
     if (body == nullptr) continue;
-    if (member.in_buffer != 0 || (coupling_.members_frozen && member.id != device.id)) continue;
+    if (coupling_.members_frozen && member.id != device.id) continue;
     if (!is_finite(member.motion.pose) || !is_finite(member.motion.velocity)) {
       ++statistics_.rejected_states;
       continue;
@@ -349,7 +399,6 @@ physics::StepReport GlobalWorld::take_macro_step(std::uint32_t macro_step, std::
   note_member_velocities();
   const auto report = world_.finish_step(settings, {}, far);
   add_border_work();
-  add_hand_impulses();
   return report;
 }
 
@@ -371,22 +420,17 @@ void GlobalWorld::add_border_work() noexcept {
   }
 }
 
-void GlobalWorld::add_hand_impulses() noexcept {
-  if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
-  for (std::uint32_t d = 0; d < devices_.size(); ++d) devices_[d].hand_impulse += world_.device_spring(d).step_impulse;
-}
-
 // Number of macro steps of the next step. One if a border exchanges the impulses of a whole step (ghosts use those of
 // the last macro step), and one for a large world, since every further macro step costs as much again. The speed of
-// inner members does not count: the sub-world moves them.
+// members counts only with ghosts: else their motion in the sub-world replaces that of the step.
 std::uint32_t GlobalWorld::macro_steps_of_step() noexcept {
   if (islands_.awake().size() > kMaxBodiesInMacroSteps) return 1;
   for (const Device& device : devices_)
     if (device.has_border && !border_.ghosts) return 1;
   member_slots_.clear();
-  if (devices_.size() == 1 && coupling_.imposes_motion)
+  if (devices_.size() == 1 && coupling_.imposes_motion && !predicts())
     for (const BodyIndex body : islands_.awake())
-      member_slots_.push_back(devices_[0].extraction.is_member(body) && devices_[0].buffer[body] == 0 ? 1 : 0);
+      member_slots_.push_back(devices_[0].extraction.is_member(body) ? 1 : 0);
   return std::gcd(physics::macro_steps_of(world_, bounds_settings_, member_slots_), settings_.sub_steps);
 }
 
@@ -414,10 +458,7 @@ void GlobalWorld::advance() noexcept {
   const std::uint32_t macro_steps = macro_steps_of_step();
   physics::StepReport report;
   std::uint32_t comparisons = 0;
-  for (Device& device : devices_) {
-    device.border_work_J = 0;
-    device.hand_impulse = {};
-  }
+  for (Device& device : devices_) device.border_work_J = 0;
   border_exchange_.begin_step();
   for (std::uint32_t macro_step = 0; macro_step < macro_steps; ++macro_step) {
     const std::uint32_t bits = report.capacity_bits;
@@ -448,6 +489,7 @@ void GlobalWorld::advance() noexcept {
   s.contacts = report.contacts;
   s.points = report.points;
   s.comparisons = comparisons;
+  s.prediction = prediction_work();
   s.most_pairs = std::max(s.most_pairs, report.pairs);
   s.most_contacts = std::max(s.most_contacts, report.contacts);
   s.capacity_bits |= report.capacity_bits;

@@ -1,8 +1,9 @@
 // The global world: simulates every body of the scene, one step of r ticks per cycle, beside the haptic sub-worlds.
 //
-// One cycle: read the report H(n), impose the members' state, apply the returned border impulses, step by r T, choose
-// the members of cycle n + 1, write the snapshot G(n+1). The sub-world moves the members, so a snapshot contains the
-// state only of joiners and of buffer bodies (border_buffer.h). The coupling schemes differ in `impose` and
+// One cycle: read the report H(n), impose the members' state, apply the returned border impulses, run the prediction of
+// the sub-world (ghost border only, sim/exchange/sub_world_prediction.h), step by r T, choose the members of cycle
+// n + 1, write the snapshot G(n+1). The sub-world moves the members; a snapshot contains the state of joiners, and
+// corrections of the others (rt/haptics/coupling/border_correction.h). The coupling schemes differ in `impose` and
 // `fill_snapshot`; the direct coupling has no global world. With the effect sleeping, resting islands are removed from
 // the world: island_manager.h. Proxies, members, all bodies connected to them, and all bodies in reach of a proxy are
 // always awake. A device is a proxy with its sub-world (GlobalOptions::more_devices). A body is a member of at most one
@@ -25,8 +26,8 @@
 #include "sim/energy_balance.h"
 #include "sim/exchange/approach.h"
 #include "sim/exchange/border_exchange.h"
-#include "sim/exchange/buffer_choice.h"
 #include "sim/exchange/extraction.h"
+#include "sim/exchange/sub_world_prediction.h"
 #include "sim/island_manager.h"
 #include "sim/model/scene.h"
 #include "sim/worker_pool.h"
@@ -48,8 +49,15 @@ struct GlobalOptions {
   std::vector<FurtherDevice> more_devices{};
   ReachSettings reach;  // includes the ratio and the tick period
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};
-  haptics::CouplingGains gains;    // of the coupling of device and proxy, world units; equal to the haptic side's
-  double touch_tolerance_m{1e-4};  // before the first step, bodies at most this far apart count as touching
+  haptics::CouplingGains gains;       // of the coupling of device and proxy, world units; equal to the haptic side's
+  std::uint32_t haptic_sub_steps{0};  // in a tick, as on the haptic side; 0: the scene's
+  double touch_tolerance_m{1e-4};     // before the first step, bodies at most this far apart count as touching
+};
+
+// Work of a tick of the predicted sub-worlds, summed over devices; 0 without predictions.
+struct PredictionWork {
+  std::uint32_t members{0}, pairs{0}, contacts{0}, points{0}, comparisons{0}, border{0};
+  std::uint32_t sub_steps{0};
 };
 
 // Counts and sums since the start; most_*: maxima.
@@ -60,11 +68,9 @@ struct GlobalStatistics {
   std::uint64_t fell_asleep{0}, woke_up{0};          // bodies
   std::uint32_t pairs{0}, contacts{0}, points{0};    // of the last step
   std::uint32_t comparisons{0};                      // box comparisons of the last step's collision detection
+  PredictionWork prediction;
   std::uint32_t most_pairs{0}, most_contacts{0}, most_members{0}, most_component{0}, most_border_points{0};
   std::uint32_t most_close_left_out{0};
-  // Members in the buffer only for their uneven masses (buffer_choice.h): most in a cycle, and cycles with any.
-  std::uint32_t most_uneven_members{0};
-  std::uint64_t uneven_cycles{0};
   std::uint64_t joins{0}, leaves{0};
   std::uint64_t handed_over{0};      // members that left a sub-world because they touch another proxy
   std::uint64_t dropped_entries{0};  // what did not fit: pairs, contacts, triangles of a step, entries of a snapshot
@@ -138,6 +144,7 @@ class GlobalWorld {
   const GlobalStatistics& statistics() const noexcept { return statistics_; }
   double time_s() const noexcept { return time_s_; }
   double step_s() const noexcept { return settings_.dt; }
+  std::uint32_t sub_steps() const noexcept { return settings_.sub_steps; }  // of a step
   double kinetic_energy_J() const noexcept { return world_.kinetic_energy(); }
   double potential_energy_J() const noexcept {
     return world_.potential_energy(settings_.gravity) + islands_.potential_energy(settings_.gravity);
@@ -155,14 +162,12 @@ class GlobalWorld {
     Extraction extraction;
     haptics::CouplingGains gains;  // world units
     ReachSettings reach;
-    Posed reported_proxy;               // the proxy's pose at t_n in the sub-world
-    Wrenchd held_by{};                  // N, N m: applied to the proxy over the next step
-    Wrenchd held_before{};              // N, N m: mean device wrench of the last cycle
-    haptics::DeviceTarget target{};     // the device's state as the next step begins; target of hold_proxy's spring
-    bool has_border{false};             // its last snapshot has border points
-    double border_work_J{0};            // of outside bodies on its members, in the last step
-    Wrenchd hand_impulse{};             // N s, N m s: of the spring on the proxy, in the last step
-    BodyVector<std::uint8_t> buffer{};  // 1 if in the buffer of its sub-world (border_buffer.h)
+    Posed reported_proxy;            // the proxy's pose at t_n in the sub-world
+    Wrenchd held_by{};               // N, N m: applied to the proxy over the next step
+    Wrenchd held_before{};           // N, N m: mean device wrench of the last cycle
+    haptics::DeviceTarget target{};  // the device's state as the next step begins; target of hold_proxy's spring
+    bool has_border{false};          // its last snapshot has border points
+    double border_work_J{0};         // of outside bodies on its members, in the last step
     // With several devices: steps since the body, or one jointed to it, last touched the proxy; 0: it does. At most
     // kLongApart.
     BodyVector<std::uint32_t> apart{};
@@ -178,7 +183,12 @@ class GlobalWorld {
   void note_held_bodies(Device& device) noexcept;
   void find_free_bodies(const Device& device) noexcept;
   bool must_leave(const Device& device, BodyIndex body) const noexcept;
-  void choose_buffer(Device& device, haptics::WorldSnapshot& next) noexcept;
+  // Does a prediction of each sub-world run? With ghosts only: the other borders do not correct members.
+  bool predicts() const noexcept { return !predictions_.empty(); }
+  PredictionWork prediction_work() const noexcept;
+  void return_not_predicted(std::uint32_t device, const haptics::SubWorldReport& report) noexcept;
+  void choose_members(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
+                      haptics::WorldSnapshot& next) noexcept;
   void fill_border(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void wake_for(const haptics::SubWorldReport& report) noexcept;
   void wake_near(const Device& device) noexcept;
@@ -197,7 +207,6 @@ class GlobalWorld {
   void look_at_overlaps(double deepest_m) noexcept;
   void note_member_velocities() noexcept;
   void add_border_work() noexcept;
-  void add_hand_impulses() noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
   void predict_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
@@ -206,7 +215,7 @@ class GlobalWorld {
   void add_approaching() noexcept;
   void add_approaching(const Device& device) noexcept;
   void fill_joiners(const Device& device, haptics::WorldSnapshot& next) noexcept;
-  void fill_warm_starts(const Device& device, haptics::WorldSnapshot& next) noexcept;
+  void fill_warm_starts(const Device& device, bool of_all, haptics::WorldSnapshot& next) noexcept;
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
 
   std::vector<std::byte> saved_world() const;                     // allocates
@@ -234,8 +243,8 @@ class GlobalWorld {
   ContactGraph graph_;
   Approach approach_;
   BorderExchange border_exchange_;
-  BufferChoice buffer_choice_;
   std::vector<Device> devices_;
+  std::vector<std::unique_ptr<SubWorldPrediction>> predictions_;  // by device, or empty
   std::vector<ContactEdge> touches_;
   std::vector<physics::Aabb> bounds_;
   BodyVector<std::uint8_t> free_;           // 1 if it may be a member of the sub-world in question

@@ -9,6 +9,7 @@
 //   - once it has not touched that proxy for linger_cycles and touches another one, it leaves and may join the other.
 // Bodies that joints connect count as one: they touch a proxy if one of them does. These rules depend on the contacts
 // of the global world alone, in the order of devices and bodies, so the same reports give the same members.
+#include "rt/haptics/coupling/device_track.h"
 #include "sim/global_world.h"
 
 namespace tactus::sim {
@@ -28,10 +29,7 @@ void GlobalWorld::take_target(Device& device, const SubWorldReport& report) noex
 void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
   if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
   for (std::uint32_t d = 0; d < devices_.size(); ++d) {
-    haptics::DeviceTarget ahead = devices_[d].target;
-    if (ahead.engaged)
-      ahead.pose = {ahead.pose.position + elapsed_s * ahead.velocity.linear,
-                    quat_from_rotation_vector(elapsed_s * ahead.velocity.angular) * ahead.pose.rotation};
+    const haptics::DeviceTarget ahead = haptics::moved_on(devices_[d].target, elapsed_s);
     const physics::SlotIndex slot = slot_of(devices_[d]);
     physics::PoseSpring spring;
     haptics::aim_spring(devices_[d].gains, ahead, slot, world_.body(slot).motion.pose, spring);

@@ -115,8 +115,17 @@ void GlobalWorld::find_touches_at_rest() noexcept {
   build_graph();
 }
 
-void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle, std::uint32_t budget,
+void GlobalWorld::fill_snapshot(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
                                 WorldSnapshot& next) noexcept {
+  choose_members(device, cycle, budget, next);
+  if (!predicts()) return;
+  predictions_[device]->fill_corrections(world_, next);
+  predictions_[device]->adopt(next);
+}
+
+// Chooses the members and fills everything but the corrections.
+void GlobalWorld::choose_members(std::uint32_t device_index, std::uint64_t cycle, std::uint32_t budget,
+                                 WorldSnapshot& next) noexcept {
   Device& device = devices_[device_index];
   find_free_bodies(device);
   if (coupling_.proxy_alone()) budget = 1;
@@ -129,13 +138,11 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   next.epoch = epoch();
   next.component = device.extraction.statistics().component;
   next.border_work_J = 0;
-  next.hand_impulse = {};
   next.dropped = 0;
   next.proxy = bodies[device.proxy].motion;
   next.members.clear();
   for (const BodyIndex member : members) TACTUS_CHECK(next.members.try_push(bodies[member].id), number_of(member), 0);
-  next.buffer.clear();
-  next.renewed.clear();
+  next.corrections.clear();
   next.border.clear();
   next.outside.clear();
   next.warm_starts.clear();
@@ -144,31 +151,14 @@ void GlobalWorld::fill_snapshot(std::uint32_t device_index, std::uint64_t cycle,
   fill_near_triangles({.bodies = bodies, .members = members, .proxy = device.proxy}, world_.fixed_bodies(),
                       world_.shapes().meshes, device.reach, next);
   if (coupling_.border) {
-    fill_warm_starts(device, next);
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
     if (stepped_) fill_border(device, next);
-    if (border_.ghosts) choose_buffer(device, next);
+    fill_warm_starts(device, predicts() && predictions_[device_index]->has_border(next), next);
   }
   if (coupling_.proxy_planes > 0 && stepped_)
     fill_proxy_planes(world_, device.id, macro_step_s_, coupling_.proxy_planes, next.border);
   device.has_border = !next.border.empty();
   count(device, next);
-}
-
-// Sends the global state of the last cycle's members, then chooses the next buffer.
-void GlobalWorld::choose_buffer(Device& device, WorldSnapshot& next) noexcept {
-  const auto bodies = islands_.bodies();
-  next.hand_impulse = device.hand_impulse;
-  for (const BodyIndex member : device.extraction.members())
-    if (!device.extraction.is_joiner(member))
-      (void)next.renewed.try_push({bodies[member].id, 0, bodies[member].motion});  // fits: at most one per member
-  const BufferChoice::Surroundings around{world_.contacts(), islands_.awake(), next.outside.span()};
-  const std::uint32_t uneven =
-      buffer_choice_.choose(bodies, device.extraction, graph_, device.proxy, around, device.buffer);
-  statistics_.most_uneven_members = std::max(statistics_.most_uneven_members, uneven);
-  if (uneven > 0) ++statistics_.uneven_cycles;
-  for (const BodyIndex member : device.extraction.members())
-    if (device.buffer[member] != 0) (void)next.buffer.try_push(bodies[member].id);
 }
 
 // Fills the border from the last macro step.
@@ -198,17 +188,19 @@ void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexce
 }
 
 // Sends the impulses of contacts among members and with static geometry that the sub-world continues: those of joiners,
-// then those of the last cycle's buffer bodies (border_buffer.h), which have impulses of their own if they do not fit.
-void GlobalWorld::fill_warm_starts(const Device& device, WorldSnapshot& next) noexcept {
+// then, if members are corrected, those of all members (border_correction.h), which have impulses of their own if these
+// do not fit.
+void GlobalWorld::fill_warm_starts(const Device& device, bool of_all, WorldSnapshot& next) noexcept {
   const auto& e = device.extraction;
   const auto awake = islands_.awake();
-  for (const bool of_joiners : {true, false})
+  for (const bool of_joiners : {true, false}) {
+    if (!of_joiners && !of_all) return;
     for (const auto& contact : world_.contacts()) {
       const BodyIndex a = awake[contact.slot_a], b = contact.b_fixed ? a : awake[contact.slot_b];
       if (!e.is_member(a) || !e.is_member(b) || of_joiners != (e.is_joiner(a) || e.is_joiner(b))) continue;
-      if (!of_joiners && device.buffer[a] == 0 && device.buffer[b] == 0) continue;
       if (!next.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s()))) ++next.dropped;
     }
+  }
 }
 
 void GlobalWorld::count(const Device& device, const WorldSnapshot& next) noexcept {

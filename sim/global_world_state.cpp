@@ -13,33 +13,38 @@ struct CopyOf<std::tuple<T&...>> {
   using Type = std::tuple<std::remove_const_t<T>...>;
 };
 
+// The bytes grow to the present state's size; the bound at full capacity is far larger.
+template <class State>
+std::vector<std::byte> saved_bytes(const State& state) {
+  std::vector<std::byte> bytes(1u << 20);
+  ByteWriter out(bytes);
+  for (state.save(out); !out.ok(); state.save(out)) {
+    TACTUS_CHECK(bytes.size() < state.save_size_bound(), bytes.size(), state.save_size_bound());
+    bytes.resize(2 * bytes.size());
+    out = ByteWriter(bytes);
+  }
+  bytes.resize(out.size());
+  bytes.shrink_to_fit();  // a copy may be kept for long
+  return bytes;
+}
+
 }  // namespace
 
 template <class Self>
 auto GlobalWorld::state_of(Self& self) noexcept {
   return std::tie(self.stepped_, self.macro_step_s_, self.settings_, self.islands_, self.pair_cache_, self.graph_,
-                  self.approach_, self.border_exchange_, self.buffer_choice_, self.devices_, self.touches_,
-                  self.bounds_, self.free_, self.held_, self.member_slots_, self.velocity_before_, self.regions_,
-                  self.asleep_J_, self.asleep_of_, self.time_s_, self.statistics_);
+                  self.approach_, self.border_exchange_, self.devices_, self.touches_, self.bounds_, self.free_,
+                  self.held_, self.member_slots_, self.velocity_before_, self.regions_, self.asleep_J_, self.asleep_of_,
+                  self.time_s_, self.statistics_);
 }
 
 struct GlobalWorld::Saved {
   std::vector<std::byte> world;
+  std::vector<std::vector<std::byte>> predictions;
   CopyOf<decltype(state_of(std::declval<const GlobalWorld&>()))>::Type rest;
 };
 
-// The buffer grows to the present state's size; the bound at full capacity is far larger.
-std::vector<std::byte> GlobalWorld::saved_world() const {
-  std::vector<std::byte> bytes(1u << 20);
-  ByteWriter out(bytes);
-  for (world_.save(out); !out.ok(); world_.save(out)) {
-    TACTUS_CHECK(bytes.size() < world_.save_size_bound(), bytes.size(), world_.save_size_bound());
-    bytes.resize(2 * bytes.size());
-    out = ByteWriter(bytes);
-  }
-  bytes.resize(out.size());
-  return bytes;
-}
+std::vector<std::byte> GlobalWorld::saved_world() const { return saved_bytes(world_); }
 
 void GlobalWorld::restore_world(std::span<const std::byte> bytes) noexcept {
   ByteReader in(bytes);
@@ -49,14 +54,19 @@ void GlobalWorld::restore_world(std::span<const std::byte> bytes) noexcept {
 }
 
 std::shared_ptr<const GlobalWorld::Saved> GlobalWorld::save() const {
-  std::vector<std::byte> world = saved_world();
-  world.shrink_to_fit();  // a copy may be kept for long
-  return std::make_shared<const Saved>(Saved{std::move(world), state_of(*this)});
+  std::vector<std::vector<std::byte>> predictions;
+  for (const auto& prediction : predictions_) predictions.push_back(saved_bytes(*prediction));
+  return std::make_shared<const Saved>(Saved{saved_world(), std::move(predictions), state_of(*this)});
 }
 
 void GlobalWorld::restore(const Saved& saved) {
   restore_world(saved.world);
   state_of(*this) = saved.rest;
+  for (std::size_t d = 0; d < predictions_.size(); ++d) {
+    ByteReader in(saved.predictions[d]);
+    const bool whole = predictions_[d]->restore(in);
+    TACTUS_CHECK(whole, saved.predictions[d].size(), in.remaining());
+  }
 }
 
 }  // namespace tactus::sim

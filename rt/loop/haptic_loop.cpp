@@ -188,7 +188,7 @@ void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, 
   if (report.deepest_m > kSharesFrom * config_.thinnest_m && config_.thinnest_m > 0)
     out.deepest_share = physics::deepest_overlap(sub_world_.world()).share;
   out.border_work_J = sub_world_.border_work_J();
-  out.buffer_gain_J = sub_world_.buffer_gain_J();
+  out.corrected_J = sub_world_.corrected_J();
   out.border_tank_J = sub_world_.border_tank_J();
   report_ = report;
   const double recovered = recovered_share(stepped.force_scale, (stepped.status & kWorldFade) != 0);

@@ -46,7 +46,7 @@ void RunStats::add(const TickOutput& out, std::uint32_t sub_steps, std::uint32_t
   device_energy_J = out.device_energy_J;
   damped_energy_J = out.damped_energy_J;
   border_work_J = out.border_work_J;
-  buffer_gain_J = out.buffer_gain_J;
+  corrected_J = out.corrected_J;
   border_tank_J = out.border_tank_J;
   if (out.fault == fault_now) return;
   const bool latched = out.fault != Fault::kNone;

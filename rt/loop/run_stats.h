@@ -45,7 +45,7 @@ struct RunStats {
   double force_max_N{0}, torque_max_Nm{0}, force_sum_N{0}, force_step_max_N{0};
   double deepest_m{0};
   double deepest_share{0};  // overlap / thickness of the thinner body
-  double device_energy_J{0}, damped_energy_J{0}, border_work_J{0}, buffer_gain_J{0}, border_tank_J{0};
+  double device_energy_J{0}, damped_energy_J{0}, border_work_J{0}, corrected_J{0}, border_tank_J{0};
   std::uint64_t sub_steps_sum{0};
   std::uint64_t restrained_cycles{0};  // cycles in which the governor allowed fewer members than configured
   FixedVector<FaultEvent, 16> faults;  // re-arms included; of more than 16 the first 15 and the newest

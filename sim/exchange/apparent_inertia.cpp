@@ -235,13 +235,8 @@ physics::Admittance invert(Matrix6 inertia) noexcept {
 }  // namespace
 
 ApparentInertia::ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints)
-    : first_(max_bodies + 1),
-      links_(2 * (std::size_t{max_contacts} + max_joints)),
-      noted_(max_bodies, 0),
-      found_(max_bodies, 0) {
+    : first_(max_bodies + 1), links_(2 * (std::size_t{max_contacts} + max_joints)), found_(max_bodies, 0) {
   joints_.reserve(max_joints);
-  latest_.reserve(max_bodies);
-  earlier_.reserve(max_bodies);
   immovable_.reserve(max_bodies);
   visited_.reserve(kMaxBodies);
 }
@@ -336,32 +331,15 @@ Matrix6 ApparentInertia::constraint_stiffness_of(std::uint32_t link, const Vec3d
   return stiffness_of_joint(joints_[link - contacts_.size()], centre);
 }
 
-void ApparentInertia::begin_step() noexcept {
-  ++step_;
-  earlier_.swap(latest_);
-  latest_.clear();
-  std::sort(earlier_.begin(), earlier_.end(), [](const auto& p, const auto& q) { return p.id < q.id; });
-}
-
-// Mean velocity over the last two steps; over the last one for a body that was not reached before; the present velocity
-// for a body that was added since.
-Twistd ApparentInertia::mean_velocity(SlotIndex slot) noexcept {
+// Over the last step; the present velocity of a body that was added since.
+Twistd ApparentInertia::mean_velocity(SlotIndex slot) const noexcept {
   const Body& moved = body(slot);
   const Posed& start = starts_[number_of(slot)];
-  if (!is_finite(start)) return moved.motion.velocity;
-  const Twistd mean = mean_between(start, moved.motion.pose, step_s_);
-  if (noted_[number_of(slot)] != step_) {
-    noted_[number_of(slot)] = step_;
-    latest_.push_back({moved.id, mean});
-  }
-  const auto before = std::lower_bound(earlier_.begin(), earlier_.end(), moved.id,
-                                       [](const MeanVelocity& entry, BodyId id) { return entry.id < id; });
-  return before != earlier_.end() && before->id == moved.id ? 0.5 * (mean + before->velocity) : mean;
+  return is_finite(start) ? mean_between(start, moved.motion.pose, step_s_) : moved.motion.velocity;
 }
 
-Twistd ApparentInertia::off_mean(SlotIndex slot) noexcept {
-  const Twistd &now = body(slot).motion.velocity, mean = mean_velocity(slot);
-  return now - mean;
+Twistd ApparentInertia::off_mean(SlotIndex slot) const noexcept {
+  return body(slot).motion.velocity - mean_velocity(slot);
 }
 
 void ApparentInertia::visit(SlotIndex slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept {

@@ -9,19 +9,13 @@
 // All bodies but the queried one are eliminated: v = W (p + P). A contact constrains a direction if, with its load of
 // the last step, it can stop the present motion: it keeps pressing, and its friction stays within the friction disk.
 //
-// The step is applied to the deviation from the mean motion of the last two steps; the mean motion continues:
+// The step is applied to the deviation from the mean motion of the last step; the mean motion continues:
 //   u = v_mean + W M (v_end - v_mean)
 // A body that creeps or settles under a constant load does so without momentum, and continues. The velocity of a body
 // at rest on firm ground fluctuates within a step, so its value at the end is arbitrary; it has no effect since W M is
 // near 0. A free body continues at v_end, since W M is 1. Simpler predictions are worse: with v_end alone a stack sways
 // increasingly (hard case 32: in antiphase from cycle to cycle); W M v_end stops creep (the pushed row of
 // `experiment energy-loss` is then off by 1.8 % instead of 0.6 %, the pile by 2.0 instead of 0.5 %).
-//
-// Why two steps: a column of members on a column of outside bodies has modes whose period is about two cycles. In such
-// a mode the mean over one step is opposite to the motion of the next step, so the prediction amplifies the mode; the
-// mean over two steps is zero. Largest root of the linear loop (tests/border/stack_roots.py: 20 cubes, 10 of them
-// members, ratio 3, 4, 5, 6 and 8): over one step -1.04, -1.29, -1.07, -0.89, 0.61; over two steps 0.75, 0.79, 0.65,
-// 0.58, 0.57.
 //
 // Measured range of a2, on hard case 32 where it is 3,500: at rest with 200 to 10,000. With 100,000 it sways: such
 // stiff contacts make ghosts that keep an instantaneous velocity and that no impulse changes.
@@ -66,8 +60,6 @@ class ApparentInertia {
 
   ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
 
-  // Call before each step: the mean velocities of the last one become those before.
-  void begin_step() noexcept;
   // Reads the world after a step of `step_s`; the world must not change before the last find(). `added_inertia`: a2 [-]
   // of contacts and joints over the next cycle.
   void index(const physics::World& world, double added_inertia, double step_s) noexcept;
@@ -109,13 +101,8 @@ class ApparentInertia {
   // G of a link.
   Matrix6 stiffness_of_joint(const JointLink& link, const Vec3d& centre) const noexcept;
   Matrix6 constraint_stiffness_of(std::uint32_t link, const Vec3d& centre) const noexcept;
-  Twistd mean_velocity(physics::SlotIndex slot) noexcept;
-  Twistd off_mean(physics::SlotIndex slot) noexcept;  // present velocity minus the mean
-
-  struct MeanVelocity {
-    BodyId id;
-    Twistd velocity;  // over one step
-  };
+  Twistd mean_velocity(physics::SlotIndex slot) const noexcept;
+  Twistd off_mean(physics::SlotIndex slot) const noexcept;  // present velocity minus the mean
 
   double added_inertia_{0}, step_s_{0};
   std::span<const physics::Contact> contacts_;
@@ -125,10 +112,6 @@ class ApparentInertia {
   std::vector<std::uint8_t> immovable_;  // by slot: 1 if kinematic
   std::vector<std::uint32_t> first_;     // by slot: its first link
   std::vector<Link> links_;
-  std::vector<MeanVelocity> latest_;   // of the bodies reached after the last step
-  std::vector<MeanVelocity> earlier_;  // of those reached after the step before, by id
-  std::vector<std::uint32_t> noted_;   // by slot: number of the last step that has it in latest_
-  std::uint32_t step_{0};
   std::vector<std::uint32_t> found_;  // by slot: number of the last search that reached it
   std::uint32_t search_{0};
   std::vector<Visited> visited_;

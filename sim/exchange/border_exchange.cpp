@@ -167,7 +167,6 @@ BorderExchange::BorderExchange(std::uint32_t max_bodies, std::uint32_t max_conta
 }
 
 void BorderExchange::begin_step() noexcept {
-  admittance_.begin_step();
   force_before_.swap(force_now_);
   force_now_.clear();
   std::sort(force_before_.begin(), force_before_.end(),

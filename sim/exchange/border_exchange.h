@@ -6,10 +6,10 @@
 // time is the one before the step that H(n) starts, so its contacts are still in the world when H(n) is read. The
 // borders capped and replay, filtered or not, return impulses. Replay returns J_sub, as in the paper: friction then
 // counts in both worlds. Capped returns J_sub minus J_global of those contacts. Only friction is returned; the imposed
-// members transmit the normal force themselves. The ghost border returns nothing: the global world keeps the state of
-// its buffer bodies (rt/haptics/coupling/border_buffer.h).
-// Thread: the global world's; construction [setup]. Frame: world. Units: SI. Bound: kMaxBorderPoints points; beyond,
-// those with the least normal force are left out, ties by order, and counted. Source: the paper, section 2.2.
+// members transmit the normal force themselves. With ghosts the global world returns what its prediction of the
+// sub-world did not have (sim/exchange/sub_world_prediction.h). Thread: the global world's; construction [setup].
+// Frame: world. Units: SI. Bound: kMaxBorderPoints points; beyond, those with the least normal force are left out, ties
+// by order, and counted. Source: the paper, section 2.2.
 #pragma once
 
 #include <vector>

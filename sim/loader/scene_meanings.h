@@ -40,7 +40,10 @@ inline constexpr Meaning kMeanings[] = {
     {"[simulation]", "friction_sweeps",
      "friction in the relax sweep or in every sweep; auto: in every sweep where there are two relax sweeps or more",
      ""},
-    {"[simulation]", "global_sub_steps_per_tick", "sub-steps of the global world for each tick; may be a fraction", ""},
+    {"[simulation]", "global_sub_steps_per_tick",
+     "sub-steps of the global world for each tick; may be a fraction; at least sub_steps in a scene of up "
+     "to 200 moving bodies",
+     ""},
     {"[simulation]", "far_sub_steps_per_tick",
      "the same for islands without a member and out of the proxy's reach; at most global_sub_steps_per_tick",
      "global_sub_steps_per_tick"},

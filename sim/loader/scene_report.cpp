@@ -16,6 +16,7 @@
 #include "sim/loader/body_label.h"
 #include "sim/model/rounded_down.h"
 #include "sim/model/scene_effects.h"
+#include "sim/model/step_settings.h"
 #include "sim/model/world_capacities.h"
 
 namespace tactus::sim {
@@ -319,7 +320,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
   report.capacity.sub_world_contacts =
       static_cast<unsigned>(std::ceil(report.capacity.contacts_per_body * report.capacity.members_possible));
   report.capacity.global_contacts = capacities_for(scene).contacts;
-  report.capacity.global_sub_steps = scene.solver.global_sub_steps(scene.ratio);
+  report.capacity.global_sub_steps = global_sub_steps(scene, scene.ratio, scene.solver.sub_steps, true);
   find_problems(scene, device.has_rotation, report);
   return report;
 }

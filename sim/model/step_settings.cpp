@@ -1,5 +1,7 @@
 #include "sim/model/step_settings.h"
 
+#include <algorithm>
+
 #include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
@@ -14,6 +16,14 @@ physics::StepSettings step_settings(const Scene& scene, double period_s, std::ui
   settings.contact_damping_ratio = scene.solver.contact_damping_ratio;
   choose_effects(scene, settings);
   return settings;
+}
+
+unsigned global_sub_steps(const Scene& scene, unsigned ratio, unsigned haptic_sub_steps, bool ghosts) {
+  const unsigned asked = scene.solver.global_sub_steps(ratio);
+  const auto moving = std::count_if(scene.bodies.begin(), scene.bodies.end(),
+                                    [](const physics::Body& body) { return body.kind != physics::BodyKind::kFixed; });
+  const bool fine = ghosts && static_cast<std::size_t>(moving) <= kMaxBodiesInFineSteps;
+  return fine ? std::max(asked, ratio * haptic_sub_steps) : asked;
 }
 
 }  // namespace tactus::sim

@@ -9,4 +9,12 @@ namespace tactus::sim {
 // For steps of `period_s` [s] in `sub_steps` sub-steps.
 physics::StepSettings step_settings(const Scene& scene, double period_s, std::uint32_t sub_steps);
 
+// Moving bodies of a scene up to which a global step with ghosts is as fine as the sub-world's ticks.
+inline constexpr std::size_t kMaxBodiesInFineSteps = 200;
+
+// Sub-steps of a global step of `ratio` ticks. With ghosts members have the accuracy of the global step
+// (rt/haptics/coupling/border_correction.h); so in a small scene it takes at least the sub-world's
+// `haptic_sub_steps` a tick. Where the scene gives far islands fewer sub-steps than others, they keep them.
+unsigned global_sub_steps(const Scene& scene, unsigned ratio, unsigned haptic_sub_steps, bool ghosts);
+
 }  // namespace tactus::sim

@@ -288,48 +288,59 @@ TEST_CASE("Sub-world: the coupling's spring holds the proxy in the step, in swee
   CHECK(norm(bench.body(0).motion.velocity.linear) < 0.3 * v);
 }
 
-TEST_CASE("The buffer is what touches an outside body, its state goes down and is not imposed") {
+namespace {
+
+GlobalOptions ghosts(std::uint32_t members) {
   GlobalOptions options = slow_device();
   options.border_mode = physics::BorderMode::kGhost;
-  options.extraction.cap = 2;
-  Bench bench(stack(3), options);  // the proxy on top
-  REQUIRE(ids(*bench.snapshot) == std::vector<BodyId>{1, 2});
-  REQUIRE(bench.snapshot->buffer.size() == 1);  // never the proxy
-  CHECK(bench.snapshot->buffer[0] == 1);
-  auto kept = motion(1, {5, 5, 5}, {1, 0, 0});
-  kept.in_buffer = 1;
-  REQUIRE(bench.report->members.try_push(kept));
-  bench.step();
-  REQUIRE(bench.snapshot->renewed.size() == 2);  // and the proxy's, for a cycle in which there is an impact
-  CHECK(bench.snapshot->renewed[0].id == 1);
-  CHECK(bench.snapshot->renewed[1].id == 2);
-  CHECK(same_bits(bench.snapshot->renewed[0].motion, bench.body(1).motion));
-  CHECK(norm(bench.body(1).motion.pose.position - bench.scene.bodies[1].motion.pose.position) < 1e-3);
+  options.extraction.cap = members;
+  return options;
 }
 
-TEST_CASE("A snapshot gives the impulses of the contacts of the last cycle's buffer bodies") {
-  GlobalOptions options = slow_device();
-  options.border_mode = physics::BorderMode::kGhost;
-  options.extraction.cap = 7;
-  Bench bench(stack(12), options);
-  bench.run(10);
-  const std::vector<BodyId> buffer(bench.snapshot->buffer.begin(), bench.snapshot->buffer.end());
-  REQUIRE(!buffer.empty());
-  REQUIRE(buffer.size() < 6);
+}  // namespace
+
+TEST_CASE("With ghosts a snapshot corrects the members of the cycle that ends, by the error of their prediction") {
+  Bench bench(stack(3), ghosts(2));  // the proxy on top
+  REQUIRE(ids(*bench.snapshot) == std::vector<BodyId>{1, 2});
+  CHECK(bench.snapshot->corrections.empty());  // no cycle has ended
   bench.step();
+  REQUIRE(bench.snapshot->corrections.size() == 2);
+  CHECK(bench.snapshot->corrections[0].id == 1);
+  CHECK(bench.snapshot->corrections[1].id == 2);
+  const auto moved = motion(2, {5, 5, 5}, {1, 0, 0});
+  REQUIRE(bench.report->members.try_push(moved));
+  bench.step();
+  CHECK(norm(bench.body(2).motion.pose.position - moved.motion.pose.position) < 0.02);
+  CHECK(norm(bench.snapshot->corrections[1].displacement_m) < 1e-3);  // it falls in both
+}
+
+TEST_CASE("Other borders correct nobody, and their members keep their impulses") {
+  Bench bench(stack(3), slow_device());
+  bench.run(3);
+  CHECK(bench.snapshot->corrections.empty());
+  CHECK(bench.snapshot->warm_starts.empty());
+}
+
+TEST_CASE("With ghosts a snapshot gives the impulses of all contacts of members with each other and fixed bodies") {
+  Bench bench(stack(12), ghosts(7));
+  bench.run(10);
   REQUIRE(bench.snapshot->joiners.empty());
   const auto members = ids(*bench.snapshot);
-  const auto in = [](const std::vector<BodyId>& list, BodyId id) {
-    return std::binary_search(list.begin(), list.end(), id);
-  };
+  const auto is_member = [&](BodyId id) { return std::binary_search(members.begin(), members.end(), id); };
   std::vector<PairKey> expected, given;
-  for (const auto& contact : bench.world.world().contacts()) {
-    const BodyId a = contact.key.low(), b = contact.key.high();
-    if (in(members, a) && in(members, b) && (in(buffer, a) || in(buffer, b))) expected.push_back(contact.key);
-  }
+  for (const auto& contact : bench.world.world().contacts())
+    if (is_member(contact.key.low()) && is_member(contact.key.high())) expected.push_back(contact.key);
   for (const auto& warm : bench.snapshot->warm_starts) given.push_back(warm.key);
-  CHECK(!expected.empty());
+  CHECK(expected.size() == 6);
   CHECK(given == expected);
+}
+
+TEST_CASE("Members that meet no outside body are not corrected and keep their impulses") {
+  Bench bench(stack(5), ghosts(5));
+  bench.run(10);
+  REQUIRE(ids(*bench.snapshot).size() == 5);
+  CHECK(bench.snapshot->corrections.empty());
+  CHECK(bench.snapshot->warm_starts.empty());
 }
 
 TEST_CASE(

@@ -179,8 +179,8 @@ void add_energy(Table& t) {
          "taken out by the passivity controller, since the start");
   t.real("border_work_J", offsetof(Row, tick.out.border_work_J), "J",
          "by the border on members, since the start, with sign");
-  t.real("buffer_gain_J", offsetof(Row, tick.out.buffer_gain_J), "J",
-         "gained when buffer bodies took the global world's state, since the start, with sign");
+  t.real("corrected_J", offsetof(Row, tick.out.corrected_J), "J",
+         "given to members and the device's spring by corrections, since the start, with sign");
   t.real("border_tank_J", offsetof(Row, tick.out.border_tank_J), "J", "energy that the border may still supply");
 }
 

@@ -9,12 +9,10 @@
 
 #include "firmware/faults.h"
 #include "hal/device_class.h"
+#include "sim/exchange/sub_world_config.h"
 #include "sim/loader/body_label.h"
 #include "sim/loader/scene_load.h"
 #include "sim/model/choice_names.h"
-#include "sim/model/scene_effects.h"
-#include "sim/model/step_settings.h"
-#include "sim/model/world_capacities.h"
 #include "tools/session/arm_gate.h"
 #include "tools/session/find_description.h"
 #include "tools/session/scheme_gains.h"
@@ -30,15 +28,8 @@ constexpr std::size_t kHistoryBytes = 64u << 20;
 // --rearm clears a fault this long after it latched.
 constexpr double kRearmAfter_s = 1.0;
 
-std::vector<physics::Body> fixed_bodies_of(const sim::Scene& scene) {
-  std::vector<physics::Body> fixed;
-  for (const auto& body : scene.bodies)
-    if (body.kind == physics::BodyKind::kFixed) fixed.push_back(body);
-  return fixed;
-}
-
 std::uint32_t dynamic_bodies_of(const sim::Scene& scene) {
-  return static_cast<std::uint32_t>(scene.bodies.size() - fixed_bodies_of(scene).size());
+  return static_cast<std::uint32_t>(scene.bodies.size() - sim::fixed_bodies_of(scene).size());
 }
 
 unsigned members_of(const sim::Scene& scene, const RunOptions& options) {
@@ -120,6 +111,7 @@ sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& opt
   global.border_mode = options.border;
   global.precision = options.world_precision;
   global.gains = gains_of(scene, options, device).gains;
+  global.haptic_sub_steps = sub_steps_of(scene, options);
   global.extraction.cap = members_of(scene, options);
   global.extraction.order = options.order;
   global.extraction.all_members = options.all_members;
@@ -139,23 +131,20 @@ loop::LoopConfig loop_config(const sim::Scene& scene, const RunOptions& options,
   config.placement = placement_of(scene, device);
   config.thinnest_m = physics::thinnest(scene.bodies);
   config.emergency_stop_fault = static_cast<std::uint32_t>(firmware::Fault::kEmergencyStop);
-  haptics::SubWorldConfig& sub = config.sub_world;
-  sub.scheme = options.coupling;
-  sub.border_mode = options.border;
-  sub.ratio = ratio_of(scene, options);
-  sub.proxy = scene.proxy;
-  sub.step = sim::step_settings(scene, options.period_s(), sub_steps_of(scene, options));
-  sub.gains = gains_of(scene, options, device).gains;
-  sub.shapes = scene.shapes();
-  sub.effects = sim::effect_setups(scene);
-  sub.capacities = sim::member_capacities(scene, members_of(scene, options));
-  sub.capacities.border_contacts = haptics::kMaxBorderPoints;
+  config.sub_world = sim::sub_world_config(scene, {.coupling = options.coupling,
+                                                   .border = options.border,
+                                                   .proxy = scene.proxy,
+                                                   .ratio = ratio_of(scene, options),
+                                                   .tick_period_s = options.period_s(),
+                                                   .sub_steps = sub_steps_of(scene, options),
+                                                   .members = members_of(scene, options),
+                                                   .gains = gains_of(scene, options, device).gains});
   return config;
 }
 
 std::unique_ptr<loop::HapticLoop> make_loop(const sim::Scene& scene, const RunOptions& options,
                                             const haptics::DeviceProperties& device) {
-  const auto fixed = fixed_bodies_of(scene);
+  const auto fixed = sim::fixed_bodies_of(scene);
   auto loop = std::make_unique<loop::HapticLoop>(loop_config(scene, options, device), fixed);
   if (!traits_of(options.coupling).global_world) loop->set_members(scene.bodies);
   return loop;

@@ -219,19 +219,10 @@ std::string border_energy_text(const RunSummary& s) {
   if (!s.has_global) return {};
   return fmt::format(
       "energy at the border\n"
-      "  {:<22} {:+.4f} J on members, {:+.4f} J where buffer bodies took the global state; tank {:.4f} J\n"
+      "  {:<22} {:+.4f} J on members, {:+.4f} J by corrections; tank {:.4f} J\n"
       "  {:<22} {:+.4f} J by outside bodies on members, {:+.4f} J by imposed motion, {:+.4f} J by returned impulses\n",
-      "sub-world", s.stats.border_work_J, s.stats.buffer_gain_J, s.stats.border_tank_J, "global world",
+      "sub-world", s.stats.border_work_J, s.stats.corrected_J, s.stats.border_tank_J, "global world",
       s.global.border_work_J, s.global.imposed_energy_J, s.global.returned_energy_J);
-}
-
-// Cuts at which the border would be unstable were not made; lists the members left to the global world, and the reason.
-std::string uneven_text(const RunSummary& s) {
-  if (!s.has_global || s.global.uneven_cycles == 0) return {};
-  return fmt::format(
-      "border at uneven masses\n  up to {} members in {} cycles were left to the global world: masses linked to them "
-      "differ by more than {:g}\n",
-      s.global.most_uneven_members, s.global.uneven_cycles, sim::BufferChoice::kMaxUneven);
 }
 
 json run_json(const RunSummary& s) {
@@ -316,8 +307,6 @@ json global_world_json(const RunSummary& s) {
   j["deepest_share_m"] = s.global.overlap.depth;
   if (s.global.overlap.share > 0) j["deepest_share_bodies"] = {s.global.overlap.a, s.global.overlap.b};
   if (s.global_step.count() > 0) j["step"] = times_json(s.global_step);
-  j["uneven_members_most"] = s.global.most_uneven_members;
-  j["uneven_cycles"] = s.global.uneven_cycles;
   if (s.options.hands > 1) j["handed_over"] = s.global.handed_over;
   return j;
 }
@@ -333,7 +322,7 @@ json energy_json(const RunSummary& s) {
             {"passivity_control_J", s.stats.damped_energy_J},
             {"border",
              {{"work_on_members_J", s.stats.border_work_J},
-              {"buffer_gain_J", s.stats.buffer_gain_J},
+              {"corrected_J", s.stats.corrected_J},
               {"tank_J", s.stats.border_tank_J}}}};
   if (s.has_global) {
     json& border = j["border"];
@@ -419,7 +408,7 @@ std::string to_text(const RunSummary& s) {
   if (s.simulated())
     text += fmt::format("  {:<22} by the hand {:+.4f} J, by the motors {:+.4f} J\n", "work on the device",
                         s.hand_work_J, s.motor_work_J);
-  text += border_energy_text(s) + uneven_text(s);
+  text += border_energy_text(s);
   text += status_text(s);
   text += faults_text(s);
   if (s.stats.capacity_bits != 0)

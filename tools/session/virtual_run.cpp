@@ -5,13 +5,21 @@
 
 namespace tactus::session {
 
-double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps) noexcept {
+double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps, unsigned ratio) noexcept {
   const loop::WorkCounts counts{.bodies = last.awake,
                                 .pairs = last.pairs,
                                 .contacts = last.contacts,
                                 .points = last.points,
                                 .searched = last.comparisons};
-  return predict_ns(loop::CostModel{}, counts, sub_steps);
+  const sim::PredictionWork& tick = last.prediction;
+  const loop::WorkCounts predicted{.bodies = tick.members,
+                                   .pairs = tick.pairs,
+                                   .contacts = tick.contacts,
+                                   .points = tick.points,
+                                   .border = tick.border,
+                                   .searched = tick.comparisons};
+  const double prediction_ns = tick.members == 0 ? 0 : ratio * predict_ns(loop::CostModel{}, predicted, tick.sub_steps);
+  return predict_ns(loop::CostModel{}, counts, sub_steps) + prediction_ns;
 }
 
 VirtualWorld::VirtualWorld(Session& first, std::vector<haptics::Exchange*> exchanges)
@@ -31,8 +39,7 @@ void VirtualWorld::serve(std::uint64_t tick) {
 }
 
 std::uint64_t VirtualWorld::step_ticks() const {
-  const double cost_ns =
-      global_step_ns(session_.global->statistics(), session_.scene.solver.global_sub_steps(session_.ratio));
+  const double cost_ns = global_step_ns(session_.global->statistics(), session_.global->sub_steps(), session_.ratio);
   return static_cast<std::uint64_t>(cost_ns / (session_.options.period_s() * 1e9));
 }
 

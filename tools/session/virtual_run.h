@@ -14,8 +14,9 @@ namespace tactus::session {
 // Called after each tick of a virtual run; returns false to end it. For tests and progress display.
 using TickObserver = std::function<bool(const loop::TickOutput&)>;
 
-// Duration of a global step by the cost table, from its counts [ns]; collision detection included.
-double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps) noexcept;
+// Duration of a global step by the cost table, from its counts [ns]; collision detection and the prediction of the
+// sub-world over `ratio` ticks included.
+double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps, unsigned ratio) noexcept;
 
 // The global world on the virtual clock.
 class VirtualWorld {

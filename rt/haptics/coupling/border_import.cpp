@@ -61,7 +61,7 @@ void warm_start(std::span<const BorderContact> former, std::uint32_t& hint, Bord
   }
 }
 
-// Starts with the impulses of the global step, means over its sub-steps (border_buffer.h).
+// Starts with the impulses of the global step, means over its sub-steps (border_correction.h).
 void start_as_global(const BorderPoint& point, double sub_step_s, BorderContact& contact) noexcept {
   const auto [t1, t2] = tangents_of(point.normal);
   contact.normal_impulse = point.impulse_rate_N * sub_step_s;

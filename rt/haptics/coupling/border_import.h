@@ -1,11 +1,11 @@
 // Imports the border of a snapshot, contacts and ghosts, into the members' world.
 //
 // A synchronisation replaces all border contacts, friction points included. A ghost's contact starts with the impulses
-// of the global step (border_buffer.h). Any other one, and one that did not press in the global step, keeps those that
-// it had before the synchronisation. Within a cycle the world solves the contacts (rt/physics/border). While the global
-// world is late, outside bodies slow down. Thread: construction [setup]; the rest [rt], the haptic thread. Frame:
-// world. Units: SI. Bound: as many contacts as the world holds; each is looked up among kSearchWindow of the former
-// ones. Source: the paper, section 2.2.
+// of the global step (border_correction.h). Any other one, and one that did not press in the global step, keeps those
+// that it had before the synchronisation. Within a cycle the world solves the contacts (rt/physics/border). While the
+// global world is late, outside bodies slow down. Thread: construction [setup]; the rest [rt], the haptic thread.
+// Frame: world. Units: SI. Bound: as many contacts as the world holds; each is looked up among kSearchWindow of the
+// former ones. Source: the paper, section 2.2.
 #pragma once
 
 #include "rt/haptics/coupling/snapshot.h"

@@ -57,8 +57,17 @@ struct OutsideBody {
 
 struct MemberMotion {
   BodyId id{kNoBody};
-  std::uint32_t in_buffer{0};  // in a report, 1: the global world keeps the body's state, as a buffer body's
+  std::uint32_t padding{0};
   physics::BodyMotion motion;
+};
+
+// To be added to a member's motion at a synchronisation (border_correction.h).
+struct MotionCorrection {
+  BodyId id{kNoBody};
+  std::uint32_t padding{0};
+  Vec3d displacement_m;  // world, of the centre
+  Quatd rotation;        // world, applied after the member's own
+  Twistd velocity;       // m/s, rad/s, world
 };
 
 struct WorldSnapshot {
@@ -68,13 +77,12 @@ struct WorldSnapshot {
   std::uint32_t component{0};  // bodies that the contact graph links to the proxy, capped or not
   std::uint32_t epoch{0};      // number of scene resets so far; a new value invalidates all earlier state
   double border_work_J{0};     // by outside bodies on members in the global step, with sign; ghost border only
-  Wrenchd hand_impulse;        // N s, N m s: of the device's spring on the proxy in the global step; ghost border only
   FixedVector<BodyId, kMaxMembers> members;         // of cycle n, ascending; always contains the proxy
   FixedVector<physics::Body, kMaxMembers> joiners;  // members of cycle n that were not members of cycle n - 1
-  // Impulses of contacts with members and fixed bodies: of joiners, and of buffer bodies of cycle n - 1.
+  // Impulses of contacts among members and with fixed bodies: of joiners; with the ghost border of all members.
   FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;
-  FixedVector<BodyId, kMaxMembers> buffer;         // border bodies of cycle n and uneven groups, ascending
-  FixedVector<MemberMotion, kMaxMembers> renewed;  // of both cycles, n - 1 and n, at the end of the global step
+  // Of members of cycle n - 1, ascending; ghost border only.
+  FixedVector<MotionCorrection, kMaxMembers> corrections;
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; ghost border only
   physics::BodyMotion proxy;                            // motion in the global world (interpolation coupling)
@@ -102,15 +110,24 @@ struct BorderReturn {
   double normal_impulse_Ns{0};
 };
 
+// What members gave to an outside body over the cycle, by contacts and joints.
+struct OutsideImpulse {
+  BodyId id{kNoBody};
+  std::uint32_t padding{0};
+  Wrenchd impulse;  // N s, N m s, world, about its centre
+};
+
 struct SubWorldReport {
-  std::uint64_t cycle{0};                          // n: the cycle that begins; the fields below are at its start t_n
-  std::uint32_t ticks{0};                          // length of the cycle that ended
-  std::uint32_t member_budget{kMaxMembers};        // number of members that the governor allows in cycle n + 1
-  std::uint32_t epoch{0};                          // of the state below
-  std::uint32_t wanted_epoch{0};                   // above `epoch`: requests a scene reset
-  Posed proxy_start;                               // world: pose of the proxy, at rest, after the requested reset
-  FixedVector<MemberMotion, kMaxMembers> members;  // of the cycle that ended, leavers included
+  std::uint64_t cycle{0};                    // n: the cycle that begins; the fields below are at its start t_n
+  std::uint32_t ticks{0};                    // length of the cycle that ended
+  std::uint32_t member_budget{kMaxMembers};  // number of members that the governor allows in cycle n + 1
+  std::uint32_t epoch{0};                    // of the state below
+  std::uint32_t wanted_epoch{0};             // above `epoch`: requests a scene reset
+  Posed proxy_start;                         // world: pose of the proxy, at rest, after the requested reset
+  // Of the cycle that ended, leavers included, corrected by the snapshot G(n).
+  FixedVector<MemberMotion, kMaxMembers> members;
   FixedVector<BorderReturn, kMaxBorderPoints> border;
+  FixedVector<OutsideImpulse, kMaxOutsideBodies> outside;       // on ghosts, ascending; ghost border only
   FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // of the leavers' contacts
   Wrenchd mean_device_wrench;                                   // N, N m: on the proxy, mean over the cycle that ended
   DeviceTarget device;     // at t_n; interpolation coupling: velocity is the mean over the cycle that ended

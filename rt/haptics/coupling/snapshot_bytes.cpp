@@ -39,13 +39,10 @@ bool is_sound(const WorldSnapshot& s, const physics::ShapeLists& shapes) noexcep
     if (!is_body(joiner, shapes)) return false;
   for (const auto& warm_start : s.warm_starts)
     if (warm_start.count > physics::kMaxManifoldPoints) return false;
-  for (std::uint32_t i = 0; i < s.buffer.size(); ++i)
-    if ((i > 0 && s.buffer[i - 1] >= s.buffer[i]) ||
-        !std::binary_search(s.members.begin(), s.members.end(), s.buffer[i]))
+  for (const MotionCorrection& c : s.corrections)
+    if (!is_finite(Posed{c.displacement_m, c.rotation}) || !is_finite(c.velocity) || !(norm(c.rotation) > 0.5))
       return false;
-  for (const MemberMotion& body : s.renewed)
-    if (!is_finite(body.motion.pose) || !is_finite(body.motion.velocity)) return false;
-  return std::isfinite(s.border_work_J) && is_finite(s.hand_impulse) && are_near_triangles(s, shapes.meshes);
+  return std::isfinite(s.border_work_J) && are_near_triangles(s, shapes.meshes);
 }
 
 }  // namespace
@@ -57,13 +54,11 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   out.put(s.component);
   out.put(s.epoch);
   out.put(s.border_work_J);
-  out.put(s.hand_impulse);
   out.put(s.proxy);
   write_list(out, s.members);
   write_list(out, s.joiners);
   write_list(out, s.warm_starts);
-  write_list(out, s.buffer);
-  write_list(out, s.renewed);
+  write_list(out, s.corrections);
   write_list(out, s.border);
   write_list(out, s.outside);
   write_list(out, s.near_regions);
@@ -78,10 +73,9 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, const physics::ShapeLists& 
   in.get(s.component);
   in.get(s.epoch);
   in.get(s.border_work_J);
-  in.get(s.hand_impulse);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
-         read_list(in, s.buffer) && read_list(in, s.renewed) && read_list(in, s.border) && read_list(in, s.outside) &&
+         read_list(in, s.corrections) && read_list(in, s.border) && read_list(in, s.outside) &&
          read_list(in, s.near_regions) && read_list(in, s.near_triangles) && read_list(in, s.effects) &&
          is_sound(s, shapes);
 }

@@ -4,6 +4,7 @@
 
 #include "rt/base/hash.h"
 #include "rt/base/status.h"
+#include "rt/haptics/coupling/border_correction.h"
 #include "rt/haptics/coupling/snapshot_bytes.h"
 
 namespace tactus::haptics {
@@ -32,13 +33,14 @@ void SubWorld::set_members(std::span<const physics::Body> bodies) noexcept {
 }
 
 void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept {
+  const bool same_world = snapshot.epoch == state_.epoch;
+  if (same_world) correct_members(snapshot);
   fill_report(snapshot, report);
-  if (snapshot.epoch != state_.epoch) forget_world(snapshot.epoch);
+  if (!same_world) forget_world(snapshot.epoch);
   const bool first = state_.has_snapshot == 0;
   if (first) state_.tank.start(border_.budget_at_start_J);
   read_effects(snapshot.effects, false, world_);
   change_members(snapshot);
-  adopt_buffer(snapshot, report);
   adopt_border(snapshot);
   adopt_near_triangles(snapshot);
   if (coupling_.members_frozen) freeze_all_but_proxy();
@@ -65,6 +67,32 @@ void SubWorld::ask_reset(const Posed& world_from_proxy) noexcept {
   state_.proxy_start = world_from_proxy;
 }
 
+// A displaced proxy stretches the device's spring: it does work against the spring's wrench, taken as the mean of the
+// last cycle.
+void SubWorld::correct_members(const WorldSnapshot& snapshot) noexcept {
+  for (const MotionCorrection& correction : snapshot.corrections) {
+    physics::Body* const member = world_.find(correction.id);
+    if (member == nullptr) continue;
+    state_.corrected_J -= kinetic_energy(*member);
+    member->motion = corrected(member->motion, correction);
+    state_.corrected_J += kinetic_energy(*member);
+    if (correction.id != config_.proxy) continue;
+    const Wrenchd mean = mean_device_wrench();
+    state_.corrected_J -=
+        dot(mean.force, correction.displacement_m) + dot(mean.torque, small_rotation_vector(correction.rotation));
+    proxy_ = member->motion;
+  }
+}
+
+void SubWorld::continue_from(const SubWorldReport& report) noexcept {
+  for (const MemberMotion& reported : report.members)
+    if (physics::Body* const member = world_.find(reported.id)) {
+      member->motion = reported.motion;
+      if (reported.id == config_.proxy) proxy_ = reported.motion;
+    }
+  read_effects(report.effects, true, world_);
+}
+
 // Discards everything of the former epoch: bodies, contacts, border and effects; the next adoption restarts the tank.
 void SubWorld::forget_world(std::uint32_t epoch) noexcept {
   std::array<std::uint8_t, kMaxMembers> all;
@@ -74,7 +102,6 @@ void SubWorld::forget_world(std::uint32_t epoch) noexcept {
   state_.border_work_J = border_work_J();
   world_.border_contacts().clear();
   world_.border_ghosts().clear();
-  buffer_.clear();
   state_.epoch = epoch;
   state_.wanted_epoch = std::max(epoch, state_.wanted_epoch);
   state_.ticks_in_cycle = state_.has_snapshot = 0;
@@ -98,36 +125,10 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
   adopt_impulses(snapshot);
 }
 
-// A contact that is here already is one of a buffer body; one of a joiner starts with the next step. Call before
-// adopt_buffer: buffer_ must still be that of the last cycle.
+// A contact that is not here yet, such as a joiner's, takes the impulses when the next step finds it.
 void SubWorld::adopt_impulses(const WorldSnapshot& snapshot) noexcept {
   for (const auto& given : snapshot.warm_starts)
-    if (!world_.blend_impulses(given, last_sub_step_s(), buffer_.impulse_share(given.key)))
-      world_.add_warm_start(given);
-}
-
-// Moves the proxy, and with it the end of the coupling's spring, by the displacement of the buffer bodies, or after an
-// impact to where the global world has it. The work against the spring's force (mean of the last cycle) counts as
-// energy of the border. What took the global world's state is reported so.
-void SubWorld::adopt_buffer(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept {
-  const bool on_time = state_.has_snapshot != 0 && state_.ticks_in_cycle == config_.ratio;
-  const BorderBuffer::Cycle cycle{.proxy = config_.proxy,
-                                  .duration_s = on_time ? config_.ratio * config_.step.dt : 0.0,
-                                  .hand_impulse = state_.cycle_impulse};
-  const BorderBuffer::Adopted adopted = buffer_.adopt(snapshot, cycle, world_);
-  state_.buffer_gain_J += adopted.gained_J;
-  physics::Body* proxy = world_.find(config_.proxy);
-  if (adopted.all_members)
-    for (MemberMotion& member : report.members) {
-      if (member.id == config_.proxy && proxy != nullptr)
-        member.motion = proxy->motion;
-      else
-        member.in_buffer = 1;
-    }
-  if (proxy == nullptr || (!adopted.all_members && adopted.proxy_carried == Vec3d{})) return;
-  proxy->motion.pose.position += adopted.proxy_carried;
-  state_.buffer_gain_J -= dot(report.mean_device_wrench.force, proxy->motion.pose.position - proxy_.pose.position);
-  proxy_ = proxy->motion;
+    if (!world_.set_impulses(given, last_sub_step_s())) world_.add_warm_start(given);
 }
 
 void SubWorld::adopt_border(const WorldSnapshot& snapshot) noexcept {
@@ -270,6 +271,12 @@ void SubWorld::feel_proxy(const DeviceTarget& target, SubWorldStep& result) noex
   result.on_device = {-on_proxy.force, -on_proxy.torque};
 }
 
+// Zero before the first tick of a cycle.
+Wrenchd SubWorld::mean_device_wrench() const noexcept {
+  if (state_.ticks_in_cycle == 0) return {};
+  return state_.cycle_impulse * (1.0 / (config_.step.dt * state_.ticks_in_cycle));
+}
+
 void SubWorld::add_cycle_impulse(const Wrenchd& impulse) noexcept { state_.cycle_impulse += impulse; }
 
 bool SubWorld::proxy_touches() const noexcept {
@@ -301,7 +308,6 @@ void SubWorld::save(ByteWriter& out) const noexcept {
   border_import_.save(out);
   out.put(proxy_);
   out.put(state_);
-  buffer_.save(out);
   planes_.save(out);
 }
 
@@ -309,14 +315,14 @@ bool SubWorld::restore(ByteReader& in) noexcept {
   if (!world_.restore(in) || !border_import_.restore(in, world_)) return false;
   in.get(proxy_);
   in.get(state_);
-  if (!buffer_.restore(in, world_) || !planes_.restore(in)) return false;
+  if (!planes_.restore(in)) return false;
   world_.near_triangles = {};
   return in.ok() && state_.last_sub_steps > 0;
 }
 
 std::size_t SubWorld::save_size_bound() const noexcept {
   return world_.save_size_bound() + border_import_.save_size_bound() + sizeof(proxy_) + sizeof(state_) +
-         BorderBuffer::kMaxBytes + PlaneCoupling::kMaxBytes;
+         PlaneCoupling::kMaxBytes;
 }
 
 }  // namespace tactus::haptics

@@ -1,16 +1,15 @@
 // The haptic sub-world: the bodies that the hand can feel now, simulated at the device's rate.
 //
 // Between two synchronisations it is a separate World, with the device on a spring and the border contacts as rows. A
-// synchronisation first fills the report H(n) with the present state of the members, then adopts the snapshot G(n): the
-// new member list, the joiners' state, border impulses. The global world never overwrites the state of members, except
-// that of the buffer of a ghost border (border_buffer.h). The coupling scheme's traits select which of these steps
-// happen; its local model selects what a tick simulates: the members' world, the interpolated proxy, or the proxy on
-// planes. Thread: construction and set_members are [setup]; the rest [rt], the haptic thread. Frame: world. Units: SI.
-// Bound: kMaxMembers members, kMaxBorderPoints border contacts; entries that do not fit are counted. Source: the paper,
+// synchronisation first corrects the members' state by what the snapshot G(n) says of the border's error
+// (border_correction.h; ghost border only), then fills the report H(n) with it, then adopts the rest of G(n): the new
+// member list, the joiners' state, border impulses. The coupling scheme's traits select which of these steps happen;
+// its local model selects what a tick simulates: the members' world, the interpolated proxy, or the proxy on planes.
+// Thread: construction and set_members are [setup]; the rest [rt], the haptic thread. Frame: world. Units: SI. Bound:
+// kMaxMembers members, kMaxBorderPoints border contacts; entries that do not fit are counted. Source: the paper,
 // sections 2 and 3.3.
 #pragma once
 
-#include "rt/haptics/coupling/border_buffer.h"
 #include "rt/haptics/coupling/border_import.h"
 #include "rt/haptics/coupling/border_tank.h"
 #include "rt/haptics/coupling/coupling_gains.h"
@@ -48,8 +47,11 @@ class SubWorld {
   // [setup] Sets the members before the first tick, without a snapshot (direct coupling: every dynamic body).
   void set_members(std::span<const physics::Body> bodies) noexcept;
 
-  // Synchronises: fills the report H(n) of the cycle that ended, then adopts the snapshot G(n).
+  // Synchronises: corrects the members, fills the report H(n) of the cycle that ended, adopts the snapshot G(n).
   void synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept;
+
+  // Continues from the state that another sub-world with the same members reported: their motion and effects.
+  void continue_from(const SubWorldReport& report) noexcept;
 
   // Requests a scene reset with the proxy at rest at this pose. Every report repeats the request until a snapshot of
   // the new epoch has been adopted.
@@ -63,13 +65,12 @@ class SubWorld {
   const physics::BodyMotion& proxy() const noexcept { return proxy_; }
   std::uint32_t members() const noexcept { return static_cast<std::uint32_t>(world_.bodies().size()); }
   std::uint32_t border_contacts() const noexcept { return world_.border_contacts().size(); }
-  std::uint32_t buffer_bodies() const noexcept { return buffer_.size(); }
   std::uint32_t ticks_in_cycle() const noexcept { return state_.ticks_in_cycle; }
   bool exchanges() const noexcept { return coupling_.global_world; }
   double proxy_work_J() const noexcept { return state_.proxy_work_J; }  // by the coupling on the proxy, since the start
   double border_work_J() const noexcept;                                // by the border on members, since the start
-  // Energy that members gained, with sign, by taking the global world's state; since the start.
-  double buffer_gain_J() const noexcept { return state_.buffer_gain_J; }
+  // Energy that corrections gave to members and the device's spring, with sign; since the start.
+  double corrected_J() const noexcept { return state_.corrected_J; }
   double border_tank_J() const noexcept { return state_.tank.stored_J; }  // energy that the border may still supply
   double border_owed_J() const noexcept { return state_.tank.owed_J; }    // energy that it supplied beyond its budget
   const physics::World& world() const noexcept { return world_; }
@@ -92,7 +93,7 @@ class SubWorld {
     DeviceTrack device;
     ProxyInterpolation interpolated;
     double border_work_J{0};
-    double buffer_gain_J{0};
+    double corrected_J{0};
     double proxy_work_J{0};
     BorderTank tank;  // used if the border has a budget
   };
@@ -102,11 +103,11 @@ class SubWorld {
   void report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
   void report_border(SubWorldReport& report) const noexcept;
 
+  void correct_members(const WorldSnapshot& snapshot) noexcept;
   void forget_world(std::uint32_t epoch) noexcept;
   void change_members(const WorldSnapshot& snapshot) noexcept;
   void adopt_impulses(const WorldSnapshot& snapshot) noexcept;
   void adopt_border(const WorldSnapshot& snapshot) noexcept;
-  void adopt_buffer(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept;
   void adopt_near_triangles(const WorldSnapshot& snapshot) noexcept;
   void freeze_all_but_proxy() noexcept;
 
@@ -120,6 +121,7 @@ class SubWorld {
   void step_interpolated(const DeviceTarget& target, SubWorldStep& result) noexcept;
   void step_on_planes(const DeviceTarget& target, SubWorldStep& result) noexcept;
   void feel_proxy(const DeviceTarget& target, SubWorldStep& result) noexcept;
+  Wrenchd mean_device_wrench() const noexcept;  // N, N m, world: on the proxy, over the cycle so far
   void add_cycle_impulse(const Wrenchd& impulse) noexcept;
   bool proxy_touches() const noexcept;
 
@@ -132,7 +134,6 @@ class SubWorld {
   BoundedVector<std::uint32_t> near_triangles_;
   physics::BodyMotion proxy_;
   BorderImport border_import_;
-  BorderBuffer buffer_;   // empty unless the border is the ghost border
   PlaneCoupling planes_;  // empty unless the local model is kProxyOnPlanes
   State state_;
 };

@@ -13,6 +13,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   report.proxy_start = state_.proxy_start;
   report.members.clear();
   report.border.clear();
+  report.outside.clear();
   report.warm_starts.clear();
   report.effects.clear();
   report.mean_device_wrench = {};
@@ -21,14 +22,11 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
     report.device = state_.device.over_cycle(state_.ticks_in_cycle, config_.step.dt);
     return;
   }
-  if (state_.ticks_in_cycle > 0) {
-    const double rate = 1.0 / (config_.step.dt * state_.ticks_in_cycle);
-    report.mean_device_wrench = state_.cycle_impulse * rate;
-  }
+  report.mean_device_wrench = mean_device_wrench();
   for (const auto& body : world_.bodies()) {
     if (coupling_.members_frozen && body.id != config_.proxy) continue;
     // Always fits: a sub-world that exchanges has at most kMaxMembers members, because joins have the same capacity.
-    if (!report.members.try_push({body.id, buffer_.holds(body.id) ? 1u : 0u, body.motion})) break;
+    if (!report.members.try_push({.id = body.id, .motion = body.motion})) break;
   }
   report_leavers(snapshot, report);
   report_border(report);
@@ -61,8 +59,10 @@ void SubWorld::report_border(SubWorldReport& report) const noexcept {
                              .normal = contact.normal,
                              .tangent_impulse = contact.total_tangent_impulse,
                              .normal_impulse_Ns = contact.total_normal_impulse};
-    if (!report.border.try_push(entry)) return;
+    if (!report.border.try_push(entry)) break;
   }
+  for (const auto& ghost : world_.border_ghosts())
+    if (!report.outside.try_push({.id = ghost.outside, .impulse = ghost.total_impulse})) break;
 }
 
 }  // namespace tactus::haptics

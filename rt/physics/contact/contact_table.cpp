@@ -358,10 +358,10 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
   warm_starts_.clear();
 }
 
-bool ContactTable::blend_impulses(const WarmStart& given, double sub_step, double share) noexcept {
+bool ContactTable::set_impulses(const WarmStart& given, double sub_step) noexcept {
   const Contact* found = find_contact(contacts(), given.key);
   if (found == nullptr) return false;
-  physics::blend_impulses(given, sub_step, share, contacts_[static_cast<std::uint32_t>(found - contacts_.begin())]);
+  physics::set_impulses(given, sub_step, contacts_[static_cast<std::uint32_t>(found - contacts_.begin())]);
   return true;
 }
 

@@ -63,8 +63,8 @@ class ContactTable {
   bool add_warm_start(const WarmStart& warm_start) noexcept { return warm_starts_.try_push(warm_start); }
   std::span<const WarmStart> warm_starts() const noexcept { return warm_starts_.span(); }
 
-  // Moves the impulses of the pair's contact towards the given ones (start_impulses.h). False if there is no contact.
-  bool blend_impulses(const WarmStart& given, double sub_step, double share) noexcept;
+  // Gives the pair's contact these impulses (start_impulses.h). False if there is no contact.
+  bool set_impulses(const WarmStart& given, double sub_step) noexcept;
 
   // Scales the impulses of contacts whose body A is flagged, by slot.
   void scale_impulses_of(std::span<const std::uint8_t> bodies, double factor) noexcept;

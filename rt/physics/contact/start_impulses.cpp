@@ -58,17 +58,16 @@ StartImpulses start_impulses(const Manifold& manifold, const WarmStart& given, d
   return start;
 }
 
-void blend_impulses(const WarmStart& given, double sub_step, double share, Contact& contact) noexcept {
+void set_impulses(const WarmStart& given, double sub_step, Contact& contact) noexcept {
   const Tangents<double> along = tangents_of(contact.normal);
-  const auto blend = [share](double& own, double other) noexcept { own += share * (other - own); };
   for (std::uint32_t j = 0; j < given.count; ++j) {
     const std::uint32_t i = point_of(contact, given.features[j]);
     if (i == kNoPoint) continue;
     StartImpulse start;
     add(given.normal_force[j] * sub_step, given.friction_force[j] * sub_step, along, start);
-    blend(contact.points[i].normal_impulse, start.normal);
-    blend(contact.points[i].tangent_impulse[0], start.tangent[0]);
-    blend(contact.points[i].tangent_impulse[1], start.tangent[1]);
+    contact.points[i].normal_impulse = start.normal;
+    contact.points[i].tangent_impulse[0] = start.tangent[0];
+    contact.points[i].tangent_impulse[1] = start.tangent[1];
   }
 }
 

@@ -23,9 +23,8 @@ StartImpulses start_impulses(const Manifold& manifold, const Contact& last, doub
 // The impulses of the same features of another world's contact, in a sub-step of `sub_step` [s].
 StartImpulses start_impulses(const Manifold& manifold, const WarmStart& given, double sub_step) noexcept;
 
-// Moves the impulses of a contact towards those of another world's contact of the same pair: a point's impulses become
-// (1 - share) of its own plus share, in [0, 1], of those of the given point of the same feature. Points without one
-// keep theirs.
-void blend_impulses(const WarmStart& given, double sub_step, double share, Contact& contact) noexcept;
+// Gives a contact the impulses of another world's contact of the same pair, by feature. Points that the other one does
+// not have keep theirs.
+void set_impulses(const WarmStart& given, double sub_step, Contact& contact) noexcept;
 
 }  // namespace tactus::physics

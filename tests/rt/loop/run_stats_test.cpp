@@ -103,7 +103,7 @@ TEST_CASE("forces: largest, sum, and the largest step between two ticks, from th
   run.out.device_energy_J = -1;
   run.out.damped_energy_J = 4;
   run.out.border_work_J = -5;
-  run.out.buffer_gain_J = -0.5;
+  run.out.corrected_J = -0.5;
   run.out.border_tank_J = 0.01;
   run.add();
   CHECK(run.stats.force_max_N == 5);
@@ -114,7 +114,7 @@ TEST_CASE("forces: largest, sum, and the largest step between two ticks, from th
   CHECK(run.stats.device_energy_J == -1);
   CHECK(run.stats.damped_energy_J == 4);
   CHECK(run.stats.border_work_J == -5);
-  CHECK(run.stats.buffer_gain_J == -0.5);
+  CHECK(run.stats.corrected_J == -0.5);
   CHECK(run.stats.border_tank_J == 0.01);
 }
 

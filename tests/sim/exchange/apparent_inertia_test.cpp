@@ -168,28 +168,6 @@ TEST_CASE("A cube that creeps while it is held goes on creeping, whatever its ve
   CHECK(norm(goes_on.angular) < 1e-3 * 0.01);
 }
 
-TEST_CASE("A cube that is held and goes up in one step and down in the next goes nowhere") {
-  PhysicsBench bench = make_bench();
-  bench.add_ground(9, 0.5);
-  bench.add_stack(0, 1, kHalf, kMass, 0.5);
-  bench.run(50);
-  ApparentInertia admittance(64, 256, 4);
-  const Vec3d moved{1e-5, 0, 2e-5};
-  const auto goes_on_after = [&](const Vec3d& by) {
-    admittance.begin_step();
-    bench.run(1);
-    bench.body(0).motion.pose.position += by;
-    admittance.index(bench.world, kRigid, bench.settings.dt);
-    const Twistd velocity = admittance.find(0_slot, std::vector<std::uint8_t>(64, 0)).velocity;
-    bench.body(0).motion.pose.position -= by;
-    return velocity.linear;
-  };
-  const Vec3d mean = moved * (1 / bench.settings.dt);
-  CHECK(norm(goes_on_after(moved) - mean) < 1e-2 * norm(mean));
-  CHECK(norm(goes_on_after(-moved)) < 1e-2 * norm(mean));
-  CHECK(norm(goes_on_after(-moved) + mean) < 1e-2 * norm(mean));
-}
-
 TEST_CASE("A cube that trembles on the ground stays, one that slides or is carried goes on") {
   const double friction = GENERATE(0.0, 0.5);
   PhysicsBench bench = make_bench();

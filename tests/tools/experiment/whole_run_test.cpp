@@ -65,9 +65,9 @@ TEST_CASE("A tall stack that the border cuts in the middle does not shake") {
   }
 }
 
-// With friction impulses of their own at the buffer bodies, the two worlds rest in two places, and what leans on a
-// buffer body creeps (rt/haptics/coupling/border_buffer.h): these were off by 3 to 7 %.
-TEST_CASE("What leans on buffer bodies does not creep: both worlds rest in one place") {
+// With friction impulses of their own in each world, the two rest in two places, and what leans on members creeps
+// (rt/haptics/coupling/border_correction.h): these were off by 3 to 7 %.
+TEST_CASE("What leans on members does not creep: both worlds rest in one place") {
   const auto [scene, members] = GENERATE(table<std::string, unsigned>({{"block_row", 4}, {"pyramid_top", 6}}));
   for (const WholeRunRow& row : runs_of(scene, {8}, {members}, 20)) {
     INFO(scene << ": off by " << 1e3 * row.pose_off_m << " mm, " << 100 * row.force_error << " %");
@@ -102,7 +102,7 @@ TEST_CASE("A member that is pushed against an outside body neither overlaps it n
   }
 }
 
-// The border below the heavy one, below the first light one and through the light ones (sim/exchange/buffer_choice.h).
+// The border below the heavy one, below the first light one and through the light ones.
 TEST_CASE("A tonne stands on light cubes, wherever the border runs") {
   for (const WholeRunRow& row : runs_of("thousand", {2, 8, 16}, {2, 0, 5}, 5)) {
     INFO("ratio " << row.scheme.ratio << ", " << row.members << " members: off by " << 1e3 * row.pose_off_m << " mm");

@@ -123,7 +123,7 @@ TEST_CASE("random worlds with a sub-world: balls jammed with a deep overlap at t
 }
 
 // Bodies of millimetres beside the border: a capsule that rolls (47), one that is struck (119), one that is turned by
-// 30 degrees (359). They fell while the two worlds rested on friction impulses of their own (border_buffer.h).
+// 30 degrees (359). They fell while the two worlds rested on friction impulses of their own (border_correction.h).
 TEST_CASE("random worlds with a sub-world: small bodies that stood still at the border do not fall") {
   for (const std::uint64_t seed : {47u, 119u, 359u}) {
     const auto trial = try_random_world(seed);

@@ -14,7 +14,7 @@ using namespace tactus::haptics;
 
 namespace {
 
-constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + 8 + sizeof(Wrenchd) + sizeof(physics::BodyMotion);
+constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + 8 + sizeof(physics::BodyMotion);
 
 physics::BodyMotion random_motion(test::Random& random) {
   return {{random.vector(10), quat_from_rotation_vector(random.vector(1))}, {random.vector(2), random.vector(5)}};
@@ -29,14 +29,16 @@ std::unique_ptr<WorldSnapshot> random_snapshot(std::uint64_t seed, const Counts&
   auto s = std::make_unique<WorldSnapshot>();
   s->cycle = 1000 + seed;
   s->global_time_s = random(0, 100);
-  s->hand_impulse = {{random(-1, 1), random(-1, 1), 0}, {0, 0, random(-1, 1)}};
   s->dropped = 3;
   s->component = 400;
   s->proxy = random_motion(random);
   for (std::uint32_t i = 0; i < counts.members; ++i) REQUIRE(s->members.try_push(2 * i + 1));
   for (std::uint32_t i = 0; i < counts.members; i += 3) {
-    REQUIRE(s->buffer.try_push(2 * i + 1));
-    REQUIRE(s->renewed.try_push({2 * i + 1, 0, random_motion(random)}));
+    const auto motion = random_motion(random);
+    REQUIRE(s->corrections.try_push({.id = 2 * i + 1,
+                                     .displacement_m = motion.pose.position,
+                                     .rotation = motion.pose.rotation,
+                                     .velocity = motion.velocity}));
   }
   for (std::uint32_t i = 0; i < counts.members; ++i) REQUIRE(s->effects.try_push(static_cast<std::byte>(i)));
   for (std::uint32_t i = 0; i < counts.joiners; ++i) {
@@ -101,14 +103,13 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     const Counts counts{some(), some(), some(), some()};
     const auto s = random_snapshot(seed, counts);
     const auto bytes = bytes_of(*s);
-    CHECK(bytes.size() == kHeader + 10 * 4 + counts.members * (sizeof(BodyId) + 1) +
-                              s->buffer.size() * (sizeof(BodyId) + sizeof(MemberMotion)) +
+    CHECK(bytes.size() == kHeader + 9 * 4 + counts.members * (sizeof(BodyId) + 1) +
+                              s->corrections.size() * sizeof(MotionCorrection) +
                               counts.joiners * sizeof(physics::Body) + counts.warm_starts * sizeof(physics::WarmStart) +
                               counts.border * (sizeof(BorderPoint) + sizeof(OutsideBody)));
     REQUIRE(read(bytes, *back));
     CHECK(back->cycle == s->cycle);
     CHECK(back->global_time_s == s->global_time_s);
-    CHECK(back->hand_impulse == s->hand_impulse);
     CHECK(back->dropped == s->dropped);
     CHECK(back->component == s->component);
     CHECK(back->epoch == s->epoch);
@@ -117,12 +118,9 @@ TEST_CASE("a snapshot that is written and read is the same, and its bytes hold o
     for (std::uint32_t i = 0; i < counts.members; ++i) CHECK(back->members[i] == s->members[i]);
     REQUIRE(back->effects.size() == counts.members);
     for (std::uint32_t i = 0; i < counts.members; ++i) CHECK(back->effects[i] == s->effects[i]);
-    REQUIRE(back->renewed.size() == s->buffer.size());
-    REQUIRE(back->buffer.size() == s->buffer.size());
-    for (std::uint32_t i = 0; i < s->buffer.size(); ++i) {
-      CHECK(back->buffer[i] == s->buffer[i]);
-      CHECK(back->renewed[i].motion == s->renewed[i].motion);
-    }
+    REQUIRE(back->corrections.size() == s->corrections.size());
+    for (std::uint32_t i = 0; i < s->corrections.size(); ++i)
+      CHECK(test::same_bits(back->corrections[i], s->corrections[i]));
     REQUIRE(back->outside.size() == counts.border);
     for (std::uint32_t i = 0; i < counts.border; ++i) CHECK(test::same_bits(back->outside[i], s->outside[i]));
     REQUIRE(back->joiners.size() == counts.joiners);
@@ -167,8 +165,8 @@ TEST_CASE("every truncation of a snapshot is refused") {
 TEST_CASE("counts beyond a capacity are refused, however many bytes follow") {
   const auto bytes = bytes_of(*random_snapshot(5, {0, 0, 0, 0}));
   const auto back = std::make_unique<WorldSnapshot>();
-  const std::uint32_t capacities[] = {kMaxMembers, kMaxMembers, kMaxWarmStarts, kMaxBorderPoints};
-  for (std::size_t list = 0; list < 4; ++list) {
+  const std::uint32_t capacities[] = {kMaxMembers, kMaxMembers, kMaxWarmStarts, kMaxMembers, kMaxBorderPoints};
+  for (std::size_t list = 0; list < std::size(capacities); ++list) {
     for (const std::uint32_t count : {capacities[list] + 1, 0x80000000u, 0xffffffffu}) {
       auto damaged = bytes;
       std::memcpy(damaged.data() + kHeader + 4 * list, &count, 4);
@@ -197,20 +195,13 @@ TEST_CASE("what would trip the sub-world is refused") {
   CHECK_FALSE(read(bytes_of(*s), *back));
 }
 
-TEST_CASE("a buffer of bodies that are no members, or not in order, is refused") {
+TEST_CASE("a correction that is not finite, or has no rotation, is refused") {
   const auto back = std::make_unique<WorldSnapshot>();
   const auto s = random_snapshot(4, {6, 2, 3, 2});
   REQUIRE(read(bytes_of(*s), *back));
-  REQUIRE(s->buffer.size() == 2);
-  const auto refused = [&](BodyId first, BodyId second) {
-    s->buffer[0] = first;
-    s->buffer[1] = second;
-    return !read(bytes_of(*s), *back);
-  };
-  CHECK(refused(1, 2));  // 2 is no member
-  CHECK(refused(7, 1));  // not in order
-  CHECK(refused(1, 1));  // twice
-  CHECK_FALSE(refused(1, 3));
-  s->renewed[0].motion.velocity.linear.x = std::numeric_limits<double>::quiet_NaN();
-  CHECK(refused(1, 7));
+  REQUIRE(s->corrections.size() == 2);
+  SECTION("velocity") { s->corrections[0].velocity.linear.x = std::numeric_limits<double>::quiet_NaN(); }
+  SECTION("displacement") { s->corrections[1].displacement_m.z = std::numeric_limits<double>::infinity(); }
+  SECTION("rotation") { s->corrections[1].rotation = {0, 0, 0, 0}; }
+  CHECK_FALSE(read(bytes_of(*s), *back));
 }

@@ -82,9 +82,7 @@ struct Bench {
     snapshot->warm_starts.clear();
     snapshot->border.clear();
     snapshot->outside.clear();
-    snapshot->buffer.clear();
-    snapshot->renewed.clear();
-    snapshot->hand_impulse = {};
+    snapshot->corrections.clear();
     for (const BodyId id : members) REQUIRE(snapshot->members.try_push(id));
     return *snapshot;
   }

@@ -53,6 +53,9 @@ TEST_CASE("What a cycle reports of a ghost is the momentum that its member lost,
   const auto& given = bench.report->border[0];
   check_close(-given.normal_impulse_Ns * given.normal - given.tangent_impulse, lost, 1e-15);
   CHECK(given.tangent_impulse.x < 0);
+  REQUIRE(bench.report->outside.size() == 1);
+  CHECK(bench.report->outside[0].id == kOutside);
+  check_close(bench.report->outside[0].impulse.force, lost, 1e-15);
 }
 
 TEST_CASE("A ghost's contact begins a cycle with the global step's impulses, and one that did not press with its own") {
