@@ -28,23 +28,31 @@ def compared(done):
 TICK_SCENES = {"stack20": 10, "card_house": 12, "press": 16, "peg_in_shaft": 8, "chain": 8, "wall": 30, "pile250": 64}
 TICK = "tactus run sim/scenes/{scene}.toml --virtual-time --duration 1.2 --ratio 8 --members {members}"
 TICK_PARTS = r"SubWorld::(step|synchronise)\((?!.*\.cold)"
+OF_GLOBAL_STEP = r"SubWorldPrediction::"  # calls the same functions, on the global world's core
 
 
-def inclusive(path, pattern):
-    """Instructions of the functions that match, with what they call: a call is one line of its caller's block."""
-    names, total, block = {}, {}, None
+def inclusive(path, pattern, but_from):
+    """Instructions of the functions that match `pattern`, with what they call, without the calls from functions that
+    match `but_from`. A call is one line of its caller's block."""
+    names, total, called, block, callee = {}, {}, {}, None, None
     with open(path, encoding="utf-8") as file:
         for line in file:
             if match := re.match(r"(c?)fn=\((\d+)\)(?: (.*))?", line):
                 if match[3]:
                     names[match[2]] = match[3].strip()
-                if not match[1]:
-                    block = match[2]
+                if match[1]:
+                    callee = match[2]
+                else:
+                    block, callee = match[2], None
             elif block and (match := re.match(r"[+\-*]?\d* (\d+)$", line)):
                 total[block] = total.get(block, 0) + int(match[1])
+                if callee:
+                    called[block, callee] = called.get((block, callee), 0) + int(match[1])
+                    callee = None
             elif line.startswith(("summary:", "totals:")):
                 block = None
-    return sum(count for at, count in total.items() if re.search(pattern, names[at]))
+    all_calls = sum(count for at, count in total.items() if re.search(pattern, names[at]))
+    return all_calls - sum(count for (by, at), count in called.items() if re.search(pattern, names[at]) and re.search(but_from, names[by]))
 
 
 def lacking(part, why):
@@ -60,7 +68,7 @@ def count_tick(part, bench):
     out = bench.folder / f"{part.name}.callgrind"
     command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", bench.program(part), *map(absolute, part.words[1:])]
     run = subprocess.run(command, cwd=bench.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
-    instructions = inclusive(out, TICK_PARTS) if out.exists() else 0
+    instructions = inclusive(out, TICK_PARTS, OF_GLOBAL_STEP) if out.exists() else 0
     out.unlink(missing_ok=True)
     if not instructions:  # a run's exit status is a verdict: it does not say that nothing was counted
         said = [line for line in run.stderr.splitlines() if not line.startswith("==")]  # valgrind's own lines

@@ -203,11 +203,12 @@ class Rows(unittest.TestCase):
     def test_instructions_of_a_tick_are_those_of_two_functions_with_what_they_call(self):
         text = "\n".join(["events: Ir", "fn=(1) tactus::haptics::SubWorld::step(int)", "10 5", "cfn=(2) tactus::haptics::SubWorld::step_members(int)",
                           "calls=1 20", "+1 100", "fn=(2)", "20 100", "fn=(3) tactus::haptics::SubWorld::synchronise(int)", "* 7", "fn=(4) main",
-                          "1 900", "cfn=(1)", "calls=1 10", "2 105", "totals: 1012", ""])
+                          "1 900", "cfn=(1)", "calls=1 10", "2 105", "fn=(5) tactus::sim::SubWorldPrediction::run(int)",
+                          "1 3", "cfn=(1)", "calls=1 10", "2 40", "totals: 1012", ""])
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "callgrind.out"
             path.write_text(text, encoding="utf-8")
-            self.assertEqual(instructions.inclusive(path, instructions.TICK_PARTS), 112)
+            self.assertEqual(instructions.inclusive(path, instructions.TICK_PARTS, instructions.OF_GLOBAL_STEP), 72)
 
     def test_numbers_have_the_digits_that_a_reader_needs(self):
         for made, expected in ((words.percent(0.0033), "0.33 %"), (words.percent(0.073), "7.3 %"), (words.percent(0.0999), "10 %"),
