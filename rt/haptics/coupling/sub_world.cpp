@@ -84,12 +84,14 @@ void SubWorld::correct_members(const WorldSnapshot& snapshot) noexcept {
   }
 }
 
+// A motion that is not finite is left out, as where the global world imposes it: this state goes into corrections.
 void SubWorld::continue_from(const SubWorldReport& report) noexcept {
-  for (const MemberMotion& reported : report.members)
-    if (physics::Body* const member = world_.find(reported.id)) {
-      member->motion = reported.motion;
-      if (reported.id == config_.proxy) proxy_ = reported.motion;
-    }
+  for (const MemberMotion& reported : report.members) {
+    physics::Body* const member = world_.find(reported.id);
+    if (member == nullptr || !is_finite(reported.motion.pose) || !is_finite(reported.motion.velocity)) continue;
+    member->motion = reported.motion;
+    if (reported.id == config_.proxy) proxy_ = reported.motion;
+  }
   read_effects(report.effects, true, world_);
 }
 

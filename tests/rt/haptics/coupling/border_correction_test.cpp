@@ -1,6 +1,8 @@
 // Corrections of members at a synchronisation, and what the global world needs to know for them.
 #include "rt/haptics/coupling/border_correction.h"
 
+#include <limits>
+
 #include "tests/rt/haptics/coupling/sub_world_bench.h"
 #include "tests/support/random.h"
 
@@ -73,7 +75,27 @@ TEST_CASE("A synchronisation corrects a member before it reports it, on time or 
   const auto& body = bench.sub_world.world().bodies()[0];
   physics::Body was = body;
   was.motion = before;
-  CHECK(bench.sub_world.corrected_J() == Approx(kinetic_energy(body) - kinetic_energy(was)).epsilon(1e-9));
+  CHECK(bench.sub_world.corrected_J() == Approx(kinetic_energy(body) - kinetic_energy(was)).epsilon(1e-12));
+  bench.step(5);
+  CHECK(bench.motion(1).pose.position.x ==
+        Approx(after.pose.position.x + after.velocity.linear.x * 5 * kTick_s).epsilon(1e-9));
+}
+
+TEST_CASE("A sub-world goes on from the motion that another one reports, where it is finite") {
+  Bench bench = bench_of_balls();
+  const BodyMotion other = bench.motion(2);
+  SubWorldReport& reported = *bench.report;
+  reported.members.clear();
+  reported.effects.clear();
+  BodyMotion broken = other;
+  broken.velocity.linear.x = std::numeric_limits<double>::quiet_NaN();
+  const BodyMotion moved = corrected(bench.motion(1), kCorrection);
+  REQUIRE(reported.members.try_push({.id = 1, .motion = moved}));
+  REQUIRE(reported.members.try_push({.id = 2, .motion = broken}));
+  REQUIRE(reported.members.try_push({.id = 3, .motion = moved}));  // no member
+  bench.sub_world.continue_from(reported);
+  CHECK(bench.motion(1) == moved);
+  CHECK(bench.motion(2) == other);
 }
 
 TEST_CASE("A member that leaves is corrected before it is reported") {
@@ -97,7 +119,7 @@ TEST_CASE("A correction of the proxy moves it against the device's spring, whose
   bench.synchronise();
   const double force_N = bench.report->mean_device_wrench.force.x;
   REQUIRE(force_N > 0.1);
-  CHECK(bench.sub_world.corrected_J() == Approx(force_N * 1e-4).epsilon(1e-9));
+  CHECK(bench.sub_world.corrected_J() == Approx(force_N * 1e-4).epsilon(1e-12));
   CHECK(bench.sub_world.proxy() == bench.motion(kProxy));
 }
 
