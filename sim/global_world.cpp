@@ -314,16 +314,14 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   if (coupling_.border) {
     haptics::read_effects(report.effects, true, world_);
     for (const auto& warm_start : report.warm_starts) world_.add_warm_start(warm_start);
-    const ImpulseReturn back = return_impulses(report.border.span(), slots_of_all_members(), border_.returns, world_);
-    statistics_.returned_impulse_Ns += back.magnitude_Ns;
-    statistics_.returned_energy_J += back.energy_J;
-    statistics_.returned_skipped += back.skipped;
+    count(return_impulses(report.border.span(), slots_of_all_members(), border_.returns, world_));
   }
   if (coupling_.device_load == haptics::DeviceLoad::kSpring) {
     take_target(device, report);
     if (predicts()) {
-      return_not_predicted(device_index, report);
-      predictions_[device_index]->run(report, device.target);
+      SubWorldPrediction& prediction = *predictions_[device_index];
+      count(return_impulses(prediction.not_predicted(report), world_));
+      prediction.run(report, device.target);
     }
     return;
   }
@@ -353,15 +351,10 @@ PredictionWork GlobalWorld::prediction_work() const noexcept {
   return work;
 }
 
-void GlobalWorld::return_not_predicted(std::uint32_t device, const SubWorldReport& report) noexcept {
-  for (const haptics::OutsideImpulse& given : predictions_[device]->not_predicted(report)) {
-    const std::optional<physics::SlotIndex> slot = world_.slot_of(given.id);
-    if (!slot) continue;
-    statistics_.returned_energy_J -= kinetic_energy(world_.body(*slot));
-    world_.apply_impulse(*slot, given.impulse);
-    statistics_.returned_energy_J += kinetic_energy(world_.body(*slot));
-    statistics_.returned_impulse_Ns += norm(given.impulse.force);
-  }
+void GlobalWorld::count(const ImpulseReturn& back) noexcept {
+  statistics_.returned_impulse_Ns += back.magnitude_Ns;
+  statistics_.returned_energy_J += back.energy_J;
+  statistics_.returned_skipped += back.skipped;
 }
 
 // Copies pose and velocity of the members, bit by bit; with the static coupling only the proxy's, since the other

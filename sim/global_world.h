@@ -186,7 +186,6 @@ class GlobalWorld {
   // Does a prediction of each sub-world run? With ghosts only: the other borders do not correct members.
   bool predicts() const noexcept { return !predictions_.empty(); }
   PredictionWork prediction_work() const noexcept;
-  void return_not_predicted(std::uint32_t device, const haptics::SubWorldReport& report) noexcept;
   void choose_members(std::uint32_t device, std::uint64_t cycle, std::uint32_t budget,
                       haptics::WorldSnapshot& next) noexcept;
   void fill_border(const Device& device, haptics::WorldSnapshot& next) noexcept;
@@ -217,6 +216,7 @@ class GlobalWorld {
   void fill_joiners(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void fill_warm_starts(const Device& device, bool of_all, haptics::WorldSnapshot& next) noexcept;
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
+  void count(const ImpulseReturn& back) noexcept;
 
   std::vector<std::byte> saved_world() const;                     // allocates
   void restore_world(std::span<const std::byte> bytes) noexcept;  // saved_world() of a world of the same scene

@@ -20,14 +20,19 @@ double own_inverse_mass(const Body& body, const Quatd& rotation, const Vec3d& r,
          turn.z * turn.z / body.inertia.z;
 }
 
-void give(physics::SlotIndex slot, const Vec3d& impulse, const Vec3d& point, physics::World& world,
-          ImpulseReturn& result) noexcept {
+// About the body's centre.
+void give(physics::SlotIndex slot, const Wrenchd& impulse, physics::World& world, ImpulseReturn& result) noexcept {
   const Body& body = world.body(slot);
   const double before = kinetic_energy(body);
-  world.apply_impulse(slot, {impulse, cross(point - body.motion.pose.position, impulse)});
-  result.impulse_Ns += impulse;
-  result.magnitude_Ns += norm(impulse);
+  world.apply_impulse(slot, impulse);
+  result.impulse_Ns += impulse.force;
+  result.magnitude_Ns += norm(impulse.force);
   result.energy_J += kinetic_energy(body) - before;
+}
+
+void give(physics::SlotIndex slot, const Vec3d& impulse, const Vec3d& point, physics::World& world,
+          ImpulseReturn& result) noexcept {
+  give(slot, {impulse, cross(point - world.body(slot).motion.pose.position, impulse)}, world, result);
 }
 
 // Reverses the friction impulses that the global step applied to the outside body at this pair.
@@ -326,6 +331,14 @@ ImpulseReturn return_impulses(std::span<const BorderReturn> returns, std::span<c
     }
     give(*outside, -entry.tangent_impulse, entry.point, world, result);
   }
+  return result;
+}
+
+ImpulseReturn return_impulses(std::span<const haptics::OutsideImpulse> impulses, physics::World& world) noexcept {
+  ImpulseReturn result;
+  for (const haptics::OutsideImpulse& given : impulses)
+    if (const std::optional<physics::SlotIndex> slot = world.slot_of(given.id))
+      give(*slot, given.impulse, world, result);
   return result;
 }
 

@@ -119,4 +119,7 @@ double border_work_J(const physics::World& world, std::span<const Twistd> before
 ImpulseReturn return_impulses(std::span<const haptics::BorderReturn> returns, std::span<const std::uint8_t> members,
                               physics::BorderTraits::Return returned, physics::World& world) noexcept;
 
+// Applies these impulses, about the bodies' centres. Call before the next step.
+ImpulseReturn return_impulses(std::span<const haptics::OutsideImpulse> impulses, physics::World& world) noexcept;
+
 }  // namespace tactus::sim

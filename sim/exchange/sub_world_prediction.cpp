@@ -12,10 +12,7 @@ using haptics::OutsideImpulse;
 using haptics::SubWorldReport;
 using haptics::WorldSnapshot;
 
-void SubWorldPrediction::adopt(const WorldSnapshot& snapshot) noexcept {
-  sub_world_.synchronise(snapshot, report_);
-  ran_ = false;
-}
+void SubWorldPrediction::adopt(const WorldSnapshot& snapshot) noexcept { sub_world_.synchronise(snapshot, report_); }
 
 void SubWorldPrediction::run(const SubWorldReport& report, haptics::DeviceTarget device) noexcept {
   const auto& config = sub_world_.config();
@@ -24,11 +21,11 @@ void SubWorldPrediction::run(const SubWorldReport& report, haptics::DeviceTarget
     last_tick_ = sub_world_.step(device, config.step.sub_steps, {}).report;
     device = haptics::moved_on(device, config.step.dt);
   }
-  ran_ = true;
 }
 
 void SubWorldPrediction::fill_corrections(const physics::World& global, WorldSnapshot& next) const noexcept {
-  if (!ran_ || !has_border(next)) return;
+  const bool has_run = sub_world_.ticks_in_cycle() > 0;  // since the last snapshot
+  if (!has_run || !has_border(next)) return;
   for (const physics::Body& member : sub_world_.world().bodies())
     if (const physics::Body* const body = global.find(member.id))
       (void)next.corrections.try_push(haptics::correction_between(member.id, member.motion, body->motion));  // fits
@@ -51,7 +48,6 @@ void SubWorldPrediction::save(ByteWriter& out) const noexcept {
   out.put(report_.ticks);
   write_list(out, report_.outside);
   out.put(last_tick_);
-  out.put(ran_);
 }
 
 bool SubWorldPrediction::restore(ByteReader& in) noexcept {
@@ -59,13 +55,11 @@ bool SubWorldPrediction::restore(ByteReader& in) noexcept {
   in.get(report_.ticks);
   if (!read_list(in, report_.outside)) return false;
   in.get(last_tick_);
-  in.get(ran_);
   return in.ok();
 }
 
 std::size_t SubWorldPrediction::save_size_bound() const noexcept {
-  return sub_world_.save_size_bound() + sizeof(report_.ticks) + sizeof(report_.outside) + sizeof(last_tick_) +
-         sizeof(ran_);
+  return sub_world_.save_size_bound() + sizeof(report_.ticks) + sizeof(report_.outside) + sizeof(last_tick_);
 }
 
 }  // namespace tactus::sim

@@ -50,7 +50,6 @@ class SubWorldPrediction {
   haptics::SubWorldReport report_{};  // scratch of adopt; its ghosts' impulses are those of the last cycle
   Impulses beyond_{};                 // scratch of not_predicted
   physics::StepReport last_tick_{};
-  bool ran_{false};  // since the last adopt
 };
 
 }  // namespace tactus::sim

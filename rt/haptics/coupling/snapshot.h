@@ -79,9 +79,9 @@ struct WorldSnapshot {
   double border_work_J{0};     // by outside bodies on members in the global step, with sign; ghost border only
   FixedVector<BodyId, kMaxMembers> members;         // of cycle n, ascending; always contains the proxy
   FixedVector<physics::Body, kMaxMembers> joiners;  // members of cycle n that were not members of cycle n - 1
-  // Impulses of contacts among members and with fixed bodies: of joiners; with the ghost border of all members.
+  // Impulses of contacts among members and with fixed bodies: of joiners; of all members if they are corrected.
   FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;
-  // Of members of cycle n - 1, ascending; ghost border only.
+  // Of members of cycle n - 1, ascending; ghost border only, and none if no member met an outside body.
   FixedVector<MotionCorrection, kMaxMembers> corrections;
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; ghost border only

@@ -174,6 +174,19 @@ TEST_CASE("What outside bodies gained in energy is counted") {
   CHECK(back.magnitude_Ns == Approx(3));
 }
 
+TEST_CASE("An impulse about an outside body's centre is applied and counted, one on an unknown body is not") {
+  auto world = card_on_slab();
+  const BodyId slab = world->body(0_slot).id;
+  const Vec3d momentum = momentum_of(*world, 0_slot), given{1, 2, -2};
+  const double before = world->kinetic_energy();
+  const haptics::OutsideImpulse impulses[] = {{.id = slab, .impulse = {given, {0.1, 0, 0}}},
+                                              {.id = 77, .impulse = {given, {}}}};
+  const ImpulseReturn back = return_impulses(impulses, *world);
+  CHECK(norm(momentum_of(*world, 0_slot) - momentum - given) < 1e-12);
+  CHECK(back.energy_J == Approx(world->kinetic_energy() - before));
+  CHECK(back.magnitude_Ns == Approx(3));
+}
+
 TEST_CASE("A body that is a member by now gets nothing: its own world moves it") {
   auto world = card_on_slab();
   const Vec3d before = momentum_of(*world, 0_slot);
