@@ -34,8 +34,7 @@ struct HilRun {
   std::string end;  // what the library says of its forces when the device was closed
 };
 
-// `fault`: KIND@MOMENT, see stand_in/script.h.
-HilRun run_hil(const std::string& device, const std::string& only, const std::string& fault) {
+HilRun run_hil_once(const std::string& device, const std::string& only, const std::string& fault) {
   const test::TemporaryFile end;
   const test::CommandOutput output =
       test::run_command("TACTUS_STAND_IN_FAULT=" + fault + " TACTUS_STAND_IN_END=" + end.path() +
@@ -54,17 +53,20 @@ bool lacks_samples(const nlohmann::json& report) {
   });
 }
 
+// `fault`: KIND@MOMENT, see stand_in/script.h. Ten periods without a sample end the force; a machine that does not run
+// the library's thread for so long causes them, too, with any fault. A library that loses samples by itself does so
+// every time.
+HilRun run_hil(const std::string& device, const std::string& only, const std::string& fault) {
+  HilRun result = run_hil_once(device, only, fault);
+  for (int again = 0; again < 4 && lacks_samples(result.report); ++again) result = run_hil_once(device, only, fault);
+  return result;
+}
+
 }  // namespace
 
 TEST_CASE("dhd, openhaptics: hil finds the stand-ins' states as they should be, and says what it cannot see") {
   const std::string device = GENERATE(kTouch, kOmega);
-  HilRun result;
-  // Ten periods without a sample end the force; a machine that does not run the library's thread for so long causes
-  // them, too. A library that loses samples by itself does so every time.
-  for (int i = 0; i < 5; ++i) {
-    result = run_hil(device, "identity,samples,round-trip,enable,brake,not-finite,watchdog", "");
-    if (!lacks_samples(result.report)) break;
-  }
+  const HilRun result = run_hil(device, "identity,samples,round-trip,enable,brake,not-finite,watchdog", "");
   CHECK(result.exit_code == 0);
   CHECK(result.report["checks"].size() == 7);
   for (const auto& check : result.report["checks"]) {
@@ -142,8 +144,12 @@ TEST_CASE("dhd: a library that does not return while it pushes leaves hil to say
 }
 
 TEST_CASE("openhaptics: the table says what is not checked, what is bad and how the device is left") {
-  const test::CommandOutput output = test::run_command("TACTUS_STAND_IN_FAULT=backwards@on " TACTUS_PROGRAM " " +
-                                                       hil(kTouch, "watchdog,force") + " 2>/dev/null");
+  test::CommandOutput output;
+  for (int i = 0; i < 5; ++i) {  // again where samples are missing, as in run_hil
+    output = test::run_command("TACTUS_STAND_IN_FAULT=backwards@on " TACTUS_PROGRAM " " +
+                               hil(kTouch, "watchdog,force") + " 2>/dev/null");
+    if (output.out.find("sends no samples, or few") == std::string::npos) break;
+  }
   CHECK(output.exit_code == 1);
   CHECK_THAT(output.out, Contains("  watchdog           bad") && Contains("not checked: what brakes here is tactus'") &&
                              Contains("0 good, 2 bad, 0 skipped") && Contains("the device is left in BRAKE: ") &&
