@@ -227,19 +227,37 @@ void add_edge_contact(const BoxPair& boxes, int code, const Vec3d& n, double sep
             kEdgeType | static_cast<std::uint32_t>(code) << 6 | sides);
 }
 
-// The face that the other box passes over, or 0: the boxes are apart by `gap`, the largest over all axes, and the other
-// box is flush with that face, within 2 % of the thinner half extent. A contact with the edge of that face would stop a
-// box that slides from one table onto the next: the box is lower than the next table by its overlap with the first. If
-// the box does not pass over the face, the two boxes overlap in the next step, by at most their motion in one step.
-int flush_face(const BoxPair& boxes, const AxisTest& test, double gap) noexcept {
+// The largest separation of a face, by amount, at which the other box is flush with it: within 2 % of the thinner half
+// extent.
+double flush_tolerance(const BoxPair& boxes) noexcept {
   constexpr double kFlushShare = 0.02;
-  constexpr double kAcross = 0.5;  // cosine: excludes faces whose normal is along the axis of the gap
-  if (!(gap > kFlatTolerance)) return 0;
-  const Vec3d n = gap > test.face[test.widest - 1] ? direction_or(edge_axis(boxes, test.edge), boxes.axis_a[0])
-                                                   : face_axis(boxes, test.widest);
-  const double flush = std::min(kFlush, kFlushShare * *std::min_element(boxes.h, boxes.h + 6));
-  for (int code = 1; code < kFirstEdge; ++code)
-    if (std::abs(test.face[code - 1]) <= flush && std::abs(dot(face_axis(boxes, code), n)) < kAcross) return code;
+  return std::min(kFlush, kFlushShare * *std::min_element(boxes.h, boxes.h + 6));
+}
+
+// Whether the other box is flush with this face: one of its faces is parallel to it, at about the same height. The
+// normal must not be along `n`, the unit axis of the widest separation.
+bool is_flush(const BoxPair& boxes, const AxisTest& test, int code, const Vec3d& n) noexcept {
+  constexpr double kAcross = 0.5, kParallel = 0.999;  // cosines
+  if (!(std::abs(test.face[code - 1]) <= flush_tolerance(boxes))) return false;
+  const Vec3d& normal = face_axis(boxes, code);
+  const Vec3d* other = code < kFirstFaceB ? boxes.axis_b : boxes.axis_a;
+  const bool parallel =
+      std::any_of(other, other + 3, [&](const Vec3d& m) { return std::abs(dot(normal, m)) > kParallel; });
+  return parallel && std::abs(dot(normal, n)) < kAcross;
+}
+
+// The face that the other box passes over, or 0. A contact with the edge of that face would stop a box that slides from
+// one table onto the next: the box is lower than the next table by its overlap with the first. It passes over a face
+// with which it is flush while the boxes are apart, and then until it is over it by kFlush: otherwise a box that moves
+// by less than its depth between two searches stops at an edge over which a faster one passes. `bound`: the widest
+// separation. `last`: the face or edge axis of the last step.
+int flush_face(const BoxPair& boxes, const AxisTest& test, double bound, int last) noexcept {
+  if (!(bound >= -kFlush)) return 0;
+  const Vec3d n = bound > test.face[test.widest - 1] ? direction_or(edge_axis(boxes, test.edge), boxes.axis_a[0])
+                                                     : face_axis(boxes, test.widest);
+  if (last >= 1 && last < kFirstEdge && is_flush(boxes, test, last, n)) return last;
+  for (int code = 1; code < kFirstEdge && bound > 0.0; ++code)
+    if (is_flush(boxes, test, code, n)) return code;
   return 0;
 }
 
@@ -248,8 +266,12 @@ void collide_near(const BoxPair& boxes, const AxisTest& test, Manifold& manifold
   const int cached = cache.axis;
   const double widest = test.face[test.widest - 1];
   const double bound = test.edge != 0 ? std::max(widest, test.edge_separation) : widest;
-  if (const int over = flush_face(boxes, test, bound)) {
+  if (const int over = flush_face(boxes, test, bound, cached != 0 ? cached : boxes.pair.apart.axis)) {
     cache.axis = static_cast<std::uint8_t>(over);
+    if (bound > 0.0)
+      manifold.apart.axis = cache.axis;
+    else
+      add_face_contact(boxes, over, test.face[over - 1], bound, manifold);
     return;
   }
   const int face = choose_face(boxes, test, cached);

@@ -48,8 +48,8 @@ struct Manifold {
   // against each other by d [m] and the bodies rotate by t [rad] in all, the gap along that axis stays above gap - d -
   // lever_arm t; while this exceeds the margin there is no contact point. 0: unknown.
   double gap{}, lever_arm{};  // m
-  // Of two hulls that are separated: a face of either in front of which the other is by more than the margin; axis 0:
-  // none is known.
+  // Of two hulls that are separated: a face of either in front of which the other is by more than the margin. Of two
+  // boxes that are apart: the face that one passes over (collide_box.cpp). Axis 0: none.
   AxisCache apart;
   std::array<ManifoldPoint, kMaxManifoldPoints> points;
 };
@@ -71,8 +71,8 @@ struct LastFeatures {
 struct ManifoldQuery {
   double margin;        // m: points up to this separation
   LastFeatures last{};  // of the last step
-  // Manifold::apart of the last step, if it had no contact: tested first, because bodies that are near each other
-  // mostly stay in front of the same face. It saves work and changes no point.
+  // Manifold::apart of the last step, if it had no contact. Of hulls it is tested first, because bodies that are near
+  // each other mostly stay in front of the same face: it saves work and changes no point.
   AxisCache apart{};
 };
 
