@@ -150,6 +150,7 @@ class Cluster(unittest.TestCase):
         with self.assertRaises(AssertionError):
             self.expect_no_unit_again_that_had_ended(2)
 
+    @long
     def test_killed_and_stopped_workers_lose_no_unit(self):
         self.write(1.0, 20)
         self.scheduler()

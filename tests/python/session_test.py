@@ -12,14 +12,16 @@ import unittest
 import bench
 import numpy as np
 import tactus
+from long import LONG, long
 
 SCENES = sorted(name[:-5] for name in os.listdir(bench.SCENES) if name.endswith(".toml"))
+SOME = SCENES if LONG else SCENES[::3]
 TICKS = {"pile700": 60, "pile5000": 20, "heaps50k": 20}  # of 600: these are for minutes
 
 
 class Bits(unittest.TestCase):
     def test_every_scene_has_the_programs_bits(self):
-        for name in SCENES:
+        for name in SOME:
             with self.subTest(scene=name):
                 session, ticks = tactus.Session(bench.scene(name)), TICKS.get(name, 600)
                 session.step(ticks)
@@ -33,7 +35,7 @@ class Bits(unittest.TestCase):
         self.assertEqual(session.summary()["state_hash"], expected["state_hash"])
 
     def test_a_saved_state_continues_with_the_same_bits(self):
-        for name in SCENES:
+        for name in SOME:
             with self.subTest(scene=name):
                 session, ticks = tactus.Session(bench.scene(name)), min(TICKS.get(name, 100), 100)
                 session.step(min(TICKS.get(name, 237), 237))
@@ -432,6 +434,7 @@ class Mistakes(unittest.TestCase):
         self.assertEqual(session.state_hash, plain.state_hash)
         self.assertIn("none is kept", " ".join(tactus.Session.replace.__doc__.split()))
 
+    @long
     def test_a_million_steps_grow_nothing(self):
         session = tactus.Session(bench.scene("free"), history_ticks=100)
         views = session.position

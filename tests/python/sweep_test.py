@@ -110,6 +110,7 @@ class Sweeps(unittest.TestCase):
         self.sweep(sweep, "--folder", "other", "--csv", "direct.csv")
         self.assertEqual(self.read("listed.csv"), self.read("direct.csv"))
 
+    @long
     def test_gnu_parallel_runs_a_list_with_names_of_spaces(self):
         if not shutil.which("parallel"):
             self.skipTest("no GNU parallel (Debian: parallel)")
@@ -118,6 +119,7 @@ class Sweeps(unittest.TestCase):
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.expect_the_listed_units(sweep)
 
+    @long
     def test_a_slurm_array_runs_a_list(self):
         sweep, listed = self.list_with_spaces()
         self.write("units.txt", listed)
@@ -136,6 +138,7 @@ class Sweeps(unittest.TestCase):
         process.stderr.close()
         process.wait()
 
+    @long
     def test_a_sweep_far_from_the_scenes_has_those_of_tactus(self):
         os.mkdir(self.at("far"))
         shutil.copy(GAINS, self.at("far"))
@@ -161,6 +164,7 @@ position_m = [1, 0, 1]
         report = self.sweep(self.write("right.toml", text % bodies), "--csv", "right.csv")
         self.assertEqual((report["run"], report["failed"]), (2, 0))
 
+    @long
     def test_the_table_as_hdf5(self):
         try:
             import h5py
@@ -240,6 +244,7 @@ exec {bench.PROGRAM} "$@"
         self.sweep(sweep, "--folder", "other", "--csv", "direct.csv")
         self.assertEqual(self.read("killed.csv"), self.read("direct.csv"))
 
+    @long
     def test_ctrl_c_leaves_what_is_done_and_the_same_command_goes_on(self):
         sweep = self.write("long.toml", (SMALL % 30).replace("0.02", "0.5"))
         process = subprocess.Popen([bench.PROGRAM, "sweep", sweep, "--workers", "2", "--json"], cwd=self.scratch,

@@ -79,8 +79,15 @@ run_debian() {
   echo "  guest 'debian' took $((SECONDS - start)) s"
 }
 
-# Verdicts only; what is not good stands out.
-show_verdicts() { sed -u -n 's/^ok /  ok       /p; s/^skip /  skipped  /p; s/^cannot /  CANNOT   /p; s/^not ok /  NOT OK   /p; s/^guest:/  &/p'; }
+# Verdicts only; what is not good stands out. After each scenario how long it took here.
+show_verdicts() {
+  awk 'function ended() { if (name != "") printf "  %s took %d s\n", name, systime() - start; name = "" }
+       sub(/^ok /, "  ok       ") || sub(/^skip /, "  skipped  ") || sub(/^cannot /, "  CANNOT   ") ||
+         sub(/^not ok /, "  NOT OK   ") || sub(/^guest:/, "  &") { print }
+       /^scenario / { ended(); name = "scenario " $2; start = systime() }
+       /^suite ended/ { ended() }
+       { fflush() }'
+}
 
 # collect NAME: what a guest left, and its verdicts, into `passed` and `failed`.
 collect() {

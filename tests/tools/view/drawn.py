@@ -19,7 +19,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import in_browser  # noqa: E402
 from watched_run import (  # noqa: E402
     MEMBER, SCENES, Page, Published, Run, TapeViewer, ViewedRun, Viewer, graph_of, skip, wait_for)
-from long import LONG  # noqa: E402
+from long import LONG, long  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv.pop(1)) if __name__ == "__main__" else ""
 CARDS = os.path.join(SCENES, "card_house.toml")
@@ -176,6 +176,7 @@ class Stall(InPage):
         self.assertLess(max(whole[:at]), stood_us)
         self.assertGreater(int(self.text("overruns")), 0)
 
+    @long
     def test_b_a_stall_of_the_world_is_caught_by_what_the_force_does(self):
         """For 0.3 s no snapshot comes: after 0.1 s without one the force fades, and comes back with the next. Virtual time."""
         run = ViewedRun(PROGRAM, "view", os.path.join(SCENES, "press.toml"), "--virtual-time", "--inject", "stall@1500+300", "--pace", "0.02")
@@ -199,6 +200,7 @@ class Stall(InPage):
         self.assertEqual(min(force[250:]), 0)
         self.assertGreater(force[-1], 1)
 
+    @long
     def test_c_a_level_waits_for_a_crossing(self):
         """Armed above the level; the stall of the world takes the force away, and its return is the crossing."""
         run = ViewedRun(PROGRAM, "view", os.path.join(SCENES, "press.toml"), "--virtual-time", "--inject", "stall@1500+300", "--pace", "0.01")
@@ -231,6 +233,7 @@ class Stall(InPage):
         return list(csv.DictReader(wait_for(lambda: self.browser.execute_script("return window.saved"), "CSV").splitlines()))
 
 
+@long
 class Hands(InPage):
     """Two hands: a page for each."""
 
@@ -259,6 +262,7 @@ class Hands(InPage):
         self.assertEqual(proxies, {scene["proxy"], other})
 
 
+@long
 class Hidden(InPage):
     """A page that nobody sees."""
 
@@ -286,6 +290,7 @@ class Hidden(InPage):
         wait_for(lambda: not hidden() and taken() > stands + 3, "frames again")
 
 
+@long
 class Ended(InPage):
     def test_nothing_can_be_asked_of_a_run_that_was_killed(self):
         run = Run(PROGRAM, "card_house.toml")
@@ -390,6 +395,7 @@ class Figures(InPage):
         wait_for(lambda: self.text("caught") != "", "trigger")
         self.check()
 
+    @long
     def test_2_of_a_tape(self):
         folder = tempfile.mkdtemp(prefix="tactus-figures-")
         self.addCleanup(shutil.rmtree, folder, True)

@@ -16,6 +16,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from types import SimpleNamespace  # noqa: E402
 
 from watched_run import PATIENCE_S, SCENES, Page, Run, Viewer, fetch, page_is_built, skip, wait_for  # noqa: E402
+from long import long  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv.pop(1))
 
@@ -266,6 +267,7 @@ class OverSockets(unittest.TestCase):
             ticks[int(struct.unpack_from("<f", row)[0])] = row
         page.send(json.dumps({"ack": head["number"]}))
 
+    @long
     def test_a_viewer_that_stands_still_for_30_s_of_the_run_changes_no_bit_and_goes_on(self):
         self.viewer.end()
         self.run_.end()
@@ -304,6 +306,7 @@ class OverSockets(unittest.TestCase):
         self.run_.process.communicate()
         self.answer(page, "ended")
 
+    @long
     def test_timing_has_windows_with_a_viewer_and_without_in_turns(self):
         self.viewer.end()
         self.run_.end()

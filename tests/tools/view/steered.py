@@ -17,6 +17,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import in_browser  # noqa: E402
 from watched_run import PATIENCE_S, SCENES, Page, Run, TapeViewer, ViewedRun, Viewer, note_of, skip, wait_for  # noqa: E402
+from long import long  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv.pop(1)) if __name__ == "__main__" else ""
 SHIFTED_RAD = 80 * 0.008  # what 80 pixels turn
@@ -173,6 +174,7 @@ class Steered(in_browser.BrowserTest):
         now = [struct.unpack_from("<3f", message, 64 + 12 * i) for i in range(len(bodies))]
         return max(max(abs(a - b) for a, b in zip(*both)) for both in zip(bodies[1:], now[1:]))
 
+    @long
     def test_2b_a_gamepad_leads_the_hand_and_at_rest_it_does_not(self):
         run = ViewedRun(PROGRAM, "view", CARDS, "--virtual-time", "--hand", "pointer")
         self.addCleanup(run.kill)
@@ -202,6 +204,7 @@ class Steered(in_browser.BrowserTest):
             "window.sent = []; const send = WebSocket.prototype.send; WebSocket.prototype.send = function (text) {"
             " const hand = JSON.parse(text).hand; if (hand) window.sent.push(hand); return send.call(this, text) }")
 
+    @long
     def test_2c_a_wish_goes_out_with_its_event_and_waits_for_no_picture(self):
         from selenium.webdriver.common.action_chains import ActionChains
         run = ViewedRun(PROGRAM, "view", CARDS, "--virtual-time", "--hand", "pointer")

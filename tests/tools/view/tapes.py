@@ -14,6 +14,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import in_browser  # noqa: E402
 from watched_run import MEMBER, SCENES, TapeViewer, first_frame, graph_of, skip, wait_for  # noqa: E402
+from long import long  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv.pop(1)) if __name__ == "__main__" else ""
 
@@ -107,6 +108,7 @@ class Tapes(unittest.TestCase):
         wait_for(lambda: graph("data-edge") == edges, f"edges {edges}")
         self.assertEqual(graph("data-body"), bodies)
 
+    @long
     def test_1c_what_is_scrubbed_to_is_what_playing_shows(self):
         """Played to a moment, then the same moment from before and from after it: figures and picture."""
         self.open(self.a, "--link", "at=1.6&pace=0.3")
@@ -129,6 +131,7 @@ class Tapes(unittest.TestCase):
         look = lambda: (*(self.text(name) for name in ("time", "force", "members", "contacts")), self.canvas()["world_s"], self.picture())  # noqa: E731
         return wait_for(lambda: (one := look()) == look() and one, "still picture")
 
+    @long
     def test_1d_after_scrubbing_back_time_does_not_run_backwards(self):
         self.open(self.a)
         self.scrub(2.0)
@@ -140,6 +143,7 @@ class Tapes(unittest.TestCase):
         shares = wait_for(lambda: (all_ := self.browser.execute_script("return window.shares")) and all_[-1] == "0.00" and all_, "share")
         self.assertEqual(shares, ["–", "0.00"])
 
+    @long
     def test_1e_what_is_pointed_at_is_named_as_it_is_now(self):
         """A part of the workshop that the tool meets: a member then, and none before."""
         path = os.path.join(self.folder, "workshop.tape")
@@ -186,6 +190,7 @@ class Tapes(unittest.TestCase):
         self.assertEqual(self.canvas()["arrows"], "0")
         wait_for(lambda: self.browser.current_url.endswith("&" + link), "the same view: camera, moment, signal, layers")
 
+    @long
     def test_2b_what_a_link_may_not_say_is_left_out_and_said(self):
         self.open(self.a, "--link", "signal=99&window=7&pace=-1&eye=1,2&scale=1&hide=all&fly=1&at=1.5")
         wait_for(lambda: self.text("time") == "1.500", "what is right in it")
@@ -206,6 +211,7 @@ class Tapes(unittest.TestCase):
         self.assertEqual(self.canvas("canvas_beside")["solid"], "27")  # of the direct coupling all are members
         self.assertEqual([line["message"] for line in self.browser.get_log("browser")], [])
 
+    @long
     def test_3b_numbered_frames_are_one_a_frame_and_of_different_moments(self):
         self.open(self.a)
         self.browser.execute_script(
@@ -238,6 +244,7 @@ class Tapes(unittest.TestCase):
         self.assertTrue(verdict.startswith("BAD: a fault is latched"), verdict)
         self.assertIn("bad      fault", self.text("why"))
 
+    @long
     def test_3d_what_is_not_measured_has_no_unit(self):
         self.open(self.a)
         self.scrub(1.0)
