@@ -159,8 +159,8 @@ template <class S>
 void Solver<S>::store(const SolverInput& input, StageContext& context, std::uint32_t uncorrected) noexcept {
   context.factor = uncorrected > 1 ? 1.0 / static_cast<double>(uncorrected) : 1.0;
   contacts_.store(input.contacts, context.factor);
+  run_stages(input, Phase::kFinish, context);  // joints' impulses on ghosts too
   if constexpr (kIsWhole) border_.store(input.border, input.ghosts, context.settings.dt, context.factor);
-  run_stages(input, Phase::kFinish, context);
   for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
     const SolverBody<S>& state = motion_[i];
     if (state.inverse_mass == S(0)) return;

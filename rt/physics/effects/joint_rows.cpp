@@ -264,6 +264,12 @@ void Joints::add_to_sums(StageContext& c, Row& row) const noexcept {
   const Vec3d torque = out_of(row.axes, row.now.angular) + (turns ? along : Vec3d{});
   row.sum_force += force;
   row.sum_torque += torque;
+  if (row.ghost != kNoGhost) {
+    const bool on_b = row.slot_b == kOutside;
+    const Wrenchd given =
+        on_b ? Wrenchd{force, cross(row.r_b, force) + torque} : Wrenchd{-force, -(cross(row.r_a, force) + torque)};
+    c.ghosts[row.ghost].impulse += given;
+  }
   if (!row.anchored) return;
   const Twistd end = frame_velocity(c, row);
   const double on_b = dot(force, 0.5 * (row.start_velocity.linear + end.linear)) +

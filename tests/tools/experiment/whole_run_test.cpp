@@ -111,12 +111,12 @@ TEST_CASE("A tonne stands on light cubes, wherever the border runs") {
   }
 }
 
-// A force across a joint, and what the proxy holds by friction (rt/physics/effects/joints.h): 1 to 6 %; 24 to 46 %
-// where a joint's spring against a ghost is as firm as the ghost is heavy.
+// Where members' impulses on outside bodies through joints were not returned to these, the chain rang at ratios 4 and 6
+// (8.6 and 4.9 % of the force).
 TEST_CASE("A link that hangs across the border is felt as in the direct run") {
-  for (const WholeRunRow& row : runs_of("pendulum_cut", {2, 8, 16}, {2, 0}, 4)) {
+  for (const WholeRunRow& row : runs_of("pendulum_cut", {2, 3, 4, 5, 6, 8, 16}, {2, 0}, 4)) {
     INFO("ratio " << row.scheme.ratio << ", " << row.members << " members: " << 100 * row.force_error << " %");
-    CHECK(row.force_error < 0.1);
+    CHECK(row.force_error < 0.02);
     CHECK(row.pose_off_share < kGoal);
   }
 }

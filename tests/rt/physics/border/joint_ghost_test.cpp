@@ -107,6 +107,12 @@ TEST_CASE("A joint moves a body against a ghost as it does against the body that
   // Summed with sign, but for what the levers turn within a sub-step.
   const double lost_J = kinetic_energy(body_of(kB)) - kinetic_energy(one.world.bodies()[0]);
   CHECK(one.border_J == Approx(-lost_J).epsilon(1e-5));
+  // The ghost was given what the body here lost.
+  const Vec3d lost = kMassB * (body_of(kB).motion.velocity.linear - half.velocity.linear);
+  CHECK(norm(ghost.total_impulse.force - lost) < 1e-12);
+  const Twistd by_impulse = ghost.admittance * ghost.total_impulse;
+  CHECK(norm(ghost.velocity.linear - by_impulse.linear) < 1e-12);
+  CHECK(norm(ghost.velocity.angular - by_impulse.angular) < 1e-9);
 }
 
 TEST_CASE("Without a ghost the body of another world goes on as it was, whatever a joint does to it") {
