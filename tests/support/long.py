@@ -1,4 +1,4 @@
-"""Which tests take a minute and more: only tools/check --long runs them, as tests of their own that have TACTUS_LONG."""
+"""Which tests take long: only tools/check --long runs them, as tests of their own that have TACTUS_LONG."""
 import os
 import unittest
 

@@ -227,23 +227,17 @@ void add_edge_contact(const BoxPair& boxes, int code, const Vec3d& n, double sep
             kEdgeType | static_cast<std::uint32_t>(code) << 6 | sides);
 }
 
-// The largest separation of a face, by amount, at which the other box is flush with it: within 2 % of the thinner half
-// extent.
-double flush_tolerance(const BoxPair& boxes) noexcept {
-  constexpr double kFlushShare = 0.02;
-  return std::min(kFlush, kFlushShare * *std::min_element(boxes.h, boxes.h + 6));
-}
-
-// Whether the other box is flush with this face: one of its faces is parallel to it, at about the same height. The
-// normal must not be along `n`, the unit axis of the widest separation.
+// Whether the other box is flush with this face: one of its faces is parallel to it, at the same height within 2 % of
+// the thinner half extent. The normal must not be along `n`, the unit axis of the widest separation.
 bool is_flush(const BoxPair& boxes, const AxisTest& test, int code, const Vec3d& n) noexcept {
+  constexpr double kFlushShare = 0.02;
   constexpr double kAcross = 0.5, kParallel = 0.999;  // cosines
-  if (!(std::abs(test.face[code - 1]) <= flush_tolerance(boxes))) return false;
   const Vec3d& normal = face_axis(boxes, code);
+  if (!(std::abs(dot(normal, n)) < kAcross)) return false;
+  const double tolerance = std::min(kFlush, kFlushShare * *std::min_element(boxes.h, boxes.h + 6));
+  if (!(std::abs(test.face[code - 1]) <= tolerance)) return false;
   const Vec3d* other = code < kFirstFaceB ? boxes.axis_b : boxes.axis_a;
-  const bool parallel =
-      std::any_of(other, other + 3, [&](const Vec3d& m) { return std::abs(dot(normal, m)) > kParallel; });
-  return parallel && std::abs(dot(normal, n)) < kAcross;
+  return std::any_of(other, other + 3, [&](const Vec3d& m) { return std::abs(dot(normal, m)) > kParallel; });
 }
 
 // The face that the other box passes over, or 0. A contact with the edge of that face would stop a box that slides from

@@ -266,9 +266,8 @@ void Joints::add_to_sums(StageContext& c, Row& row) const noexcept {
   row.sum_torque += torque;
   if (row.ghost != kNoGhost) {
     const bool on_b = row.slot_b == kOutside;
-    const Wrenchd given =
-        on_b ? Wrenchd{force, cross(row.r_b, force) + torque} : Wrenchd{-force, -(cross(row.r_a, force) + torque)};
-    c.ghosts[row.ghost].impulse += given;
+    const Wrenchd on_outside = (on_b ? 1.0 : -1.0) * Wrenchd{force, cross(on_b ? row.r_b : row.r_a, force) + torque};
+    c.ghosts[row.ghost].impulse += on_outside;
   }
   if (!row.anchored) return;
   const Twistd end = frame_velocity(c, row);

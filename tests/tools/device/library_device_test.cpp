@@ -53,13 +53,19 @@ bool lacks_samples(const nlohmann::json& report) {
   });
 }
 
-// `fault`: KIND@MOMENT, see stand_in/script.h. Ten periods without a sample end the force; a machine that does not run
-// the library's thread for so long causes them, too, with any fault. A library that loses samples by itself does so
-// every time.
-HilRun run_hil(const std::string& device, const std::string& only, const std::string& fault) {
-  HilRun result = run_hil_once(device, only, fault);
-  for (int again = 0; again < 4 && lacks_samples(result.report); ++again) result = run_hil_once(device, only, fault);
+// Ten periods without a sample end the force; a machine that does not run the library's thread for so long causes them,
+// too, with any fault. A library that loses samples by itself does so every time.
+template <class Run, class Lacks>
+auto run_with_samples(Run run, Lacks lacks) {
+  auto result = run();
+  for (int again = 0; again < 4 && lacks(result); ++again) result = run();
   return result;
+}
+
+// `fault`: KIND@MOMENT, see stand_in/script.h.
+HilRun run_hil(const std::string& device, const std::string& only, const std::string& fault) {
+  return run_with_samples([&] { return run_hil_once(device, only, fault); },
+                          [](const HilRun& result) { return lacks_samples(result.report); });
 }
 
 }  // namespace
@@ -144,12 +150,12 @@ TEST_CASE("dhd: a library that does not return while it pushes leaves hil to say
 }
 
 TEST_CASE("openhaptics: the table says what is not checked, what is bad and how the device is left") {
-  test::CommandOutput output;
-  for (int i = 0; i < 5; ++i) {  // again where samples are missing, as in run_hil
-    output = test::run_command("TACTUS_STAND_IN_FAULT=backwards@on " TACTUS_PROGRAM " " +
-                               hil(kTouch, "watchdog,force") + " 2>/dev/null");
-    if (output.out.find("sends no samples, or few") == std::string::npos) break;
-  }
+  const test::CommandOutput output = run_with_samples(
+      [] {
+        return test::run_command("TACTUS_STAND_IN_FAULT=backwards@on " TACTUS_PROGRAM " " +
+                                 hil(kTouch, "watchdog,force") + " 2>/dev/null");
+      },
+      [](const test::CommandOutput& result) { return Contains("sends no samples, or few").match(result.out); });
   CHECK(output.exit_code == 1);
   CHECK_THAT(output.out, Contains("  watchdog           bad") && Contains("not checked: what brakes here is tactus'") &&
                              Contains("0 good, 2 bad, 0 skipped") && Contains("the device is left in BRAKE: ") &&
