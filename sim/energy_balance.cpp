@@ -13,14 +13,6 @@ double inverse_mass_at(const physics::Body& body, const Vec3d& arm, const Vec3d&
          turned.z * turned.z / body.inertia.z;
 }
 
-}  // namespace
-
-bool energy_balance_is_complete(const Scene& scene) noexcept {
-  if (scene.effects.kinematic || scene.effects.attraction || scene.effects.restitution) return false;
-  return std::none_of(scene.effect_data.joints.begin(), scene.effect_data.joints.end(),
-                      [](const auto& joint) { return joint.driven; });
-}
-
 double contact_springs_J(const physics::World& world, double contact_hertz, double slop_m) noexcept {
   const double omega = 2 * std::numbers::pi * contact_hertz;
   const auto moved = [&world](std::uint32_t slot, const Vec3d& arm) {
@@ -39,6 +31,18 @@ double contact_springs_J(const physics::World& world, double contact_hertz, doub
       if (inverse_kg > 0) sum_J += 0.5 * omega * omega / inverse_kg * gap_m * gap_m;
     }
   return sum_J;
+}
+
+}  // namespace
+
+bool energy_balance_is_complete(const Scene& scene) noexcept {
+  if (scene.effects.kinematic || scene.effects.attraction || scene.effects.restitution) return false;
+  return std::none_of(scene.effect_data.joints.begin(), scene.effect_data.joints.end(),
+                      [](const auto& joint) { return joint.driven; });
+}
+
+double springs_J(const physics::World& world, double contact_hertz, double slop_m) noexcept {
+  return contact_springs_J(world, contact_hertz, slop_m) + world.joint_springs_J(contact_hertz);
 }
 
 }  // namespace tactus::sim

@@ -1,6 +1,7 @@
 // Energy balance of the global world against the device's work: detects energy that the simulation creates.
 //
-//   X = kinetic + potential - work of the coupling on the proxy     S: energy of the contacts' springs; all at t_n
+//   X = kinetic + potential - work of the coupling on the proxy     S: energy of the springs of contacts and joints;
+//   all at t_n
 // X + S never rises in a world that only dissipates: friction, damping, impacts. The excess of X over the minimum of
 // earlier X + S is unexplained. S counts in the minimum only: the energy stored in a deep overlap is not yet motion,
 // and the push-out speed of contacts is limited. Valid only if nothing else does work: no scripted body, no driven
@@ -49,8 +50,8 @@ struct EnergyBalance {
 // True if only gravity, friction, damping and the hand do work in this scene.
 bool energy_balance_is_complete(const Scene& scene) noexcept;
 
-// Energy of the last step's contact springs, at the present poses: sum over the points of k e^2 / 2, k = m w^2, e: the
-// overlap beyond the slop.
-double contact_springs_J(const physics::World& world, double contact_hertz, double slop_m) noexcept;
+// Energy of the springs of the last step [J]: of contacts, k e^2 / 2 summed over the points at the present poses, k = m
+// w^2, e: the overlap beyond the slop; and of joints (physics::Joints::springs_J).
+double springs_J(const physics::World& world, double contact_hertz, double slop_m) noexcept;
 
 }  // namespace tactus::sim

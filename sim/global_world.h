@@ -4,15 +4,20 @@
 // the sub-world (ghost border only, sim/exchange/sub_world_prediction.h), step by r T, choose the members of cycle
 // n + 1, write the snapshot G(n+1). The sub-world moves the members; a snapshot contains the state of joiners, and
 // corrections of the others (rt/haptics/coupling/border_correction.h). The coupling schemes differ in `impose` and
-// `fill_snapshot`; the direct coupling has no global world. With the effect sleeping, resting islands are removed from
-// the world: island_manager.h. Proxies, members, all bodies connected to them, and all bodies in reach of a proxy are
-// always awake. A device is a proxy with its sub-world (GlobalOptions::more_devices). A body is a member of at most one
+// `fill_snapshot`; the direct coupling has no global world.
+//
+// Devices: a device is a proxy with its sub-world (GlobalOptions::more_devices). A body is a member of at most one
 // sub-world; for the others it is outside. It remains a member while it touches that sub-world's proxy; once it has not
 // touched that proxy for ExtractionOptions::linger_cycles and touches another one, it leaves and may join the other:
 // sim/global_world_devices.cpp. With several devices a step imposes each report, advances once, and fills each
-// snapshot. Thread: construction [setup]; the rest: one owner, any priority; a step allocates nothing, the first
-// snapshot and a reset do. Frame: world. Units: SI. Bound: capacities from the scene's size; overflow by the engine's
-// rules, bits in the statistics. Source: the paper, section 2; several displays are its future work.
+// snapshot.
+//
+// Sleeping: with the effect of that name, resting islands are removed from the world: island_manager.h. Proxies,
+// members, all bodies connected to them, and all bodies in reach of a proxy are always awake.
+//
+// Thread: construction [setup]; the rest: one owner, any priority; a step allocates nothing, the first snapshot and a
+// reset do. Frame: world. Units: SI. Bound: capacities from the scene's size; overflow by the engine's rules, bits in
+// the statistics. Source: the paper, section 2; several displays are its future work.
 #pragma once
 
 #include <memory>
@@ -146,6 +151,8 @@ class GlobalWorld {
   double step_s() const noexcept { return settings_.dt; }
   std::uint32_t sub_steps() const noexcept { return settings_.sub_steps; }  // of a step
   double kinetic_energy_J() const noexcept { return world_.kinetic_energy(); }
+  // Of contacts and joints (sim/energy_balance.h).
+  double springs_J() const noexcept { return sim::springs_J(world_, settings_.contact_hertz, settings_.slop); }
   double potential_energy_J() const noexcept {
     return world_.potential_energy(settings_.gravity) + islands_.potential_energy(settings_.gravity);
   }
@@ -166,7 +173,7 @@ class GlobalWorld {
     Wrenchd held_by{};               // N, N m: applied to the proxy over the next step
     Wrenchd held_before{};           // N, N m: mean device wrench of the last cycle
     haptics::DeviceTarget target{};  // the device's state as the next step begins; target of hold_proxy's spring
-    bool has_border{false};          // its last snapshot has border points
+    bool has_border{false};          // its last snapshot has outside bodies
     double border_work_J{0};         // of outside bodies on its members, in the last step
     // With several devices: steps since the body, or one jointed to it, last touched the proxy; 0: it does. At most
     // kLongApart.
@@ -214,7 +221,8 @@ class GlobalWorld {
   void add_approaching() noexcept;
   void add_approaching(const Device& device) noexcept;
   void fill_joiners(const Device& device, haptics::WorldSnapshot& next) noexcept;
-  void fill_warm_starts(const Device& device, bool of_all, haptics::WorldSnapshot& next) noexcept;
+  void fill_warm_starts(const Device& device, const SubWorldPrediction* prediction,
+                        haptics::WorldSnapshot& next) noexcept;
   void count(const Device& device, const haptics::WorldSnapshot& next) noexcept;
   void count(const ImpulseReturn& back) noexcept;
 
@@ -236,7 +244,7 @@ class GlobalWorld {
   WorkerPool* pool_{nullptr};  // null: the work is not shared
   bool stepped_{false};        // at least one step since the scene's start or reset
   double macro_step_s_{0};     // s: length of the last macro step; the contacts' impulses are over it
-  physics::StepSettings settings_, bounds_settings_;  // bounds_settings_: with the sub-steps of the far region
+  physics::StepSettings settings_, bounds_settings_;  // bounds_settings_: with the sub-steps of the coarse region
   physics::World world_;
   IslandManager islands_;
   PairCache pair_cache_;

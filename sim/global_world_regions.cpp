@@ -1,5 +1,5 @@
-// The global world by regions: awake and fully sub-stepped near a sub-world; sleeping islands; far islands with fewer
-// sub-steps.
+// The global world by regions: awake and fully sub-stepped near a sub-world; sleeping islands; coarse islands, far from
+// every sub-world, with fewer sub-steps.
 #include "sim/global_world.h"
 
 namespace tactus::sim {

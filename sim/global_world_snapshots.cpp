@@ -153,11 +153,13 @@ void GlobalWorld::choose_members(std::uint32_t device_index, std::uint64_t cycle
   if (coupling_.border) {
     if (!haptics::write_effects(world_, member_slots(device), next.effects)) ++next.dropped;
     if (stepped_) fill_border(device, next);
-    fill_warm_starts(device, predicts() && predictions_[device_index]->has_border(next), next);
+    SubWorldPrediction* const prediction = predicts() ? predictions_[device_index].get() : nullptr;
+    if (prediction != nullptr) prediction->find_corrected(next);
+    fill_warm_starts(device, prediction, next);
   }
   if (coupling_.proxy_planes > 0 && stepped_)
     fill_proxy_planes(world_, device.id, macro_step_s_, coupling_.proxy_planes, next.border);
-  device.has_border = !next.border.empty();
+  device.has_border = next.has_border();
   count(device, next);
 }
 
@@ -188,16 +190,19 @@ void GlobalWorld::fill_joiners(const Device& device, WorldSnapshot& next) noexce
 }
 
 // Sends the impulses of contacts among members and with static geometry that the sub-world continues: those of joiners,
-// then, if members are corrected, those of all members (border_correction.h), which have impulses of their own if these
+// then those of members that the prediction corrects (border_correction.h), which have impulses of their own if these
 // do not fit.
-void GlobalWorld::fill_warm_starts(const Device& device, bool of_all, WorldSnapshot& next) noexcept {
+void GlobalWorld::fill_warm_starts(const Device& device, const SubWorldPrediction* prediction,
+                                   WorldSnapshot& next) noexcept {
   const auto& e = device.extraction;
   const auto awake = islands_.awake();
   for (const bool of_joiners : {true, false}) {
-    if (!of_joiners && !of_all) return;
+    if (!of_joiners && prediction == nullptr) return;
     for (const auto& contact : world_.contacts()) {
       const BodyIndex a = awake[contact.slot_a], b = contact.b_fixed ? a : awake[contact.slot_b];
       if (!e.is_member(a) || !e.is_member(b) || of_joiners != (e.is_joiner(a) || e.is_joiner(b))) continue;
+      const auto is_corrected = [&](BodyIndex body) { return prediction->corrects(islands_.bodies()[body].id); };
+      if (!of_joiners && !is_corrected(a) && !is_corrected(b)) continue;
       if (!next.warm_starts.try_push(physics::World::warm_start_of(contact, sub_step_s()))) ++next.dropped;
     }
   }

@@ -21,7 +21,8 @@ struct DhdAddress {
   std::optional<unsigned> serial;
 };
 
-// FOLDER[,SERIAL]; a folder whose name has a comma, but no number behind it, is one.
+// Parses FOLDER[,SERIAL]. Text after the last comma is a serial number only if it is a number; otherwise it belongs to
+// the folder's name.
 DhdAddress parse(std::string_view address) {
   const std::size_t comma = address.rfind(',');
   if (comma == std::string_view::npos) return {std::string(address), {}};

@@ -23,8 +23,8 @@ class ArmMechanics {
         plant_(profile.plant, hand.parameters(), hand.target_at(0.0).pose, profile.kinematics),
         period_ns_(static_cast<double>(period_ns)) {}
 
-  // One period passes. `torque_Nm(axis, speed_rad_per_s, time_s)`: of a drive on its shaft, once in each sub-step,
-  // which takes time_s.
+  // Advances by one period. `torque_Nm(axis, speed_rad_per_s, time_s)`: torque of a drive on its shaft; called once per
+  // axis and sub-step, whose length is time_s.
   template <class Torque>
   void advance(Torque&& torque_Nm) noexcept {
     const double h_s = period_ns_ * 1e-9 / kSubSteps;
@@ -55,7 +55,7 @@ class ArmMechanics {
     return kinematics_.wrench_of(plant_.coordinates(), effort);
   }
 
-  // The hand's path begins now; while the hand is held, it stays where its path begins.
+  // Starts the hand's path. A held hand stays at the start of its path until then.
   void restart_clock() noexcept {
     tick_ = 0;
     hand_held_ = false;

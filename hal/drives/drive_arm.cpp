@@ -222,7 +222,7 @@ void DriveArm::choose_step() noexcept {
     if (step_ == Step::kForce || step_ == Step::kEnabling) return;
     step_ = Step::kEnabling;
     enabling_periods_ = 0;
-    for (unsigned i = 0; i < count_; ++i) {  // what a drive told before says nothing about the enabling
+    for (unsigned i = 0; i < count_; ++i) {  // answers from before the enabling do not count
       axes_[i].effort = 0;
       axes_[i].torque.reset();
       axes_[i].answer.fault = 0;

@@ -21,7 +21,7 @@ struct ReceivedDriveFrame {
 class DriveBus {
  public:
   virtual ~DriveBus() = default;
-  virtual bool receive(ReceivedDriveFrame& received) noexcept = 0;  // false: nothing waits
+  virtual bool receive(ReceivedDriveFrame& received) noexcept = 0;  // false: no frame waits
   virtual bool send(const DriveFrame& frame) noexcept = 0;          // false: the bus did not take it
   virtual bool connected() const noexcept = 0;                      // false: down, gone or bus-off
   virtual std::int64_t now_ns() const noexcept = 0;

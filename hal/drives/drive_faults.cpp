@@ -57,7 +57,7 @@ constexpr CodeWords kOdrive[] = {{kOdriveWatchdog05, "its watchdog, with firmwar
 struct FamilyCodes {
   std::string_view what;
   bool bits;
-  std::span<const CodeWords> words;  // of other codes only the maker's manual has them
+  std::span<const CodeWords> words;  // a code that is not listed is explained in the maker's manual only
 };
 
 FamilyCodes codes_of(DriveFamily family) noexcept {

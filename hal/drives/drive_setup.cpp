@@ -17,7 +17,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr milliseconds kListen{20};        // for drives that talk unasked
+constexpr milliseconds kListen{20};        // how long to listen for drives that send without a request
 constexpr milliseconds kSilence{15};       // provokes a watchdog of kLongestWatchdog_s
 constexpr milliseconds kHeartbeat{250};    // an ODrive's comes every 100 ms
 constexpr milliseconds kFeed{1};           // between the commands that keep a watchdog quiet
@@ -63,7 +63,7 @@ class Talk {
     tell(request);
     return hear(kDriveAnswer, take);
   }
-  // The next answer that tells a mode, or where the family tells none, a position.
+  // Waits for the next answer; `with_mode`: for the next one with a mode. CubeMars and mini-cheetah report none.
   bool sample(milliseconds patience, DriveAnswer& answer, bool with_mode) {
     return hear(patience, [&](const DriveFrame& frame) {
       DriveAnswer one;
@@ -73,7 +73,7 @@ class Talk {
       return true;
     });
   }
-  // As sample(), while the drive gets `fed` once a millisecond.
+  // As sample() with a mode; sends `fed` to the drive once a millisecond meanwhile.
   bool sample_fed(milliseconds patience, DriveAction fed, DriveAnswer& answer) {
     for (milliseconds waited{0}; waited < patience; waited += kFeed) {
       tell(fed);
@@ -109,7 +109,8 @@ Status read(Talk& talk, DamiaoRegister number, std::uint32_t& value) {
   return answered ? Status::good() : talk.error(kSilent);
 }
 
-// Writes the value if the register has another one, and reads it back; to compare alone, it must have it.
+// Writes the value if the register has another one, and reads it back. With Purpose::kCompare it writes nothing: a
+// different value is an error.
 Status hold(Talk& talk, DamiaoRegister number, std::uint32_t wanted, Purpose purpose) {
   std::uint32_t value = 0;
   if (Status status = read(talk, number, value); !status.ok()) return status;
@@ -152,7 +153,7 @@ Status go_through_damiao(Talk& talk, Purpose purpose, std::string& identity) {
   talk.tell(DriveAction::kDisable);
   talk.tell(DriveAction::kClear);
   talk.be_silent(milliseconds(2));
-  talk.tell(DriveAction::kPoll);  // zeros: what the drive has kept is what it does when it is enabled
+  talk.tell(DriveAction::kPoll);  // zero torque and gains: a drive applies its stored command as soon as it is enabled
   DriveAnswer answer;
   if (!talk.sample(kDriveAnswer, answer, true)) return talk.error(kSilent);
   if (answer.mode == DriveMode::kDisabled) return Status::good();
@@ -271,7 +272,7 @@ Status check_timeout_mode(Talk& talk) {
                    [&](const DriveFrame& frame) { return take_moteus_text(talk.axis, frame, told); });
   int number = 0;
   const auto [end, error] = std::from_chars(told.data(), told.data() + told.size(), number);
-  if (error != std::errc()) return Status::good();  // it tells nothing: then the provoked time-out is what is known
+  if (error != std::errc()) return Status::good();  // the drive did not answer: only the provoked time-out is known
   if (number == kMoteusBrake) return Status::good();
   return talk.error(fmt::format("{} is {}; set it to {}, brake, with the maker's tool: conf set {} {}, conf write",
                                 kMoteusTimeoutMode, number, kMoteusBrake, kMoteusTimeoutMode, kMoteusBrake));
@@ -311,7 +312,7 @@ Status provoke_odrive_watchdog(Talk& talk) {
   DriveAnswer answer;
   talk.tell(odrive_torque_mode(talk.axis.id));
   talk.tell(DriveAction::kEnable);
-  // The first heartbeat may have been on its way before the command.
+  // The first heartbeat may have been sent before the command.
   for (int heartbeats = 0; heartbeats < 3 && answer.mode != DriveMode::kEnabled && answer.fault == 0; ++heartbeats)
     if (!talk.sample_fed(kHeartbeat, DriveAction::kBrake, answer)) return talk.error(kNoHeartbeat);
   if (answer.fault != 0)
@@ -335,7 +336,7 @@ Status go_through_odrive(Talk& talk, Purpose purpose, std::string& identity) {
   if (purpose == Purpose::kCompare) return Status::good();
   DriveAnswer answer;
   talk.tell(DriveAction::kClear);
-  // The second: the first may be of before.
+  // Waits for two heartbeats: the first may have been sent before the command.
   for (int heartbeats = 0; heartbeats < 2; ++heartbeats)
     if (!talk.sample(kHeartbeat, answer, true)) return talk.error(kNoHeartbeat);
   if (answer.fault != 0) return talk.reports(answer.fault, "clear it with the maker's tool");
@@ -362,7 +363,7 @@ Status go_through(const DriveDescription& drives, unsigned axis, DriveBus& bus, 
   }
 }
 
-// A drive that answers without having been asked has another host.
+// A drive that answers without a request is commanded by another host.
 Status listen(const DriveDescription& drives, const DriveBuses& buses) {
   if (drives.family == DriveFamily::kOdrive) return Status::good();  // it sends cyclically
   for (unsigned i = 0; i < drives.axes.size(); ++i) {

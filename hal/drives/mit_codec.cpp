@@ -38,7 +38,7 @@ DriveFrame encode(const DriveAxis& axis, const DriveCommand& command) noexcept {
       return control(axis, command.torque_Nm, command.damping_Nms_per_rad, command.round_up);
     case DriveAction::kBrake:
       return control(axis, 0, axis.brake_damping_Nms_per_rad, command.round_up);
-    default:  // a poll is a command of zeros, which a disabled drive answers and keeps
+    default:  // kPoll: a command of zeros; a disabled drive answers it and stores it
       return control(axis, 0, 0, command.round_up);
   }
 }

@@ -153,7 +153,7 @@ DriveDecode decode(const DriveAxis& axis, const DriveFrame& frame, DriveAnswer& 
   answer.speed_rad_per_s = static_cast<double>(values.velocity_turn_per_s) * kTurn_rad;
   answer.torque_Nm = static_cast<double>(values.torque_Nm);
   answer.mode = mode_of(values.mode);
-  // Codes from 96 on say which limit acts; they are no faults.
+  // Codes from 96 on report which limit acts; they are not faults.
   answer.fault = answer.mode == DriveMode::kFaulted ? static_cast<std::uint32_t>(std::max(values.fault, 1)) : 0;
   return DriveDecode::kAnswer;
 }

@@ -1,7 +1,7 @@
 // RobStride and Xiaomi CyberGear, their private protocol: classic CAN, 29-bit identifiers of
 // type << 24 | 16 bits of data << 8 | target id.
 //
-// Torque rides in the identifier of a control frame. 16-bit fields are floor((x / M + 1) 0x7fff), so zero is exact.
+// The torque is in the identifier of a control frame. 16-bit fields are floor((x / M + 1) 0x7fff), so zero is exact.
 // Polls read parameter 0x7019, the position, because a stopped drive is not known to answer control frames.
 // Sources: RobStride/Python_Sample (MIT licence), huggingface/lerobot; not tried on a drive. Torque ranges of RS00,
 // RS02, RS05 and RS06 differ between sources. Thread: [any], [rt].

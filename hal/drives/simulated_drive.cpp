@@ -7,7 +7,8 @@
 namespace tactus::hal {
 namespace {
 
-constexpr double kMoteusStart_s = 0.012, kMoteusGateDriver_s = 0.002;  // the second: of the first, in mode 2
+// From stopped to position mode; the last part of it in mode 2.
+constexpr double kMoteusStart_s = 0.012, kMoteusGateDriver_s = 0.002;
 constexpr double kOdriveTimeout_s = 0.01, kEstimateEvery_s = 0.001, kHeartbeatEvery_s = 0.1;
 
 std::uint32_t pack(double value, double range, double top) noexcept {
@@ -29,7 +30,7 @@ void SimulatedDrive::restart() noexcept {
   disable();
   fault_ = 0;
   control_mode_ = 2;
-  // Damiao and RobStride come without one; the others have it configured.
+  // After a restart Damiao and RobStride have no watchdog; the others keep a configured one.
   timeout_s_ = family_ == DriveFamily::kDamiao || family_ == DriveFamily::kRobStride ? 0.0 : kOdriveTimeout_s;
 }
 
@@ -296,7 +297,7 @@ DriveFrame SimulatedDrive::moteus_answer(DriveFrame reply, const DriveShaft& sha
   return reply;
 }
 
-// A fault and a time-out are left by mode 0 alone; from there to position mode it takes some time.
+// Only mode 0 ends a fault or a time-out; the change from there to position mode takes start_s_.
 void SimulatedDrive::take_moteus_mode(const DriveFrame& frame) noexcept {
   const std::uint8_t mode = frame.data[2];
   silent_s_ = 0;
@@ -310,7 +311,7 @@ void SimulatedDrive::take_moteus_mode(const DriveFrame& frame) noexcept {
     braked_ = true;
   } else if (mode == 10) {
     if (!enabled_ && !braked_ && starts_in_s_ <= 0) starts_in_s_ = start_s_;
-    enabled_ = enabled_ || braked_;  // from one mode with current to another at once
+    enabled_ = enabled_ || braked_;  // between two modes with current the change is immediate
     braked_ = false;
     torque_ = static_cast<double>(f32_at(frame, 8));
     damping_ = u16_at(frame, 16) / 32767.0 * axis_.damping_range_Nms_per_rad;

@@ -18,14 +18,14 @@ struct DriveShaft {
   double position_rad{0}, speed_rad_per_s{0};
 };
 
-// What a drive makes of its last command, until the next one.
+// The torque law that the last command set; it holds until the next command.
 struct DriveLaw {
   bool enabled{false}, braked{false};
   double torque_Nm{0}, damping_Nms_per_rad{0};
 
-  // On the shaft of this axis at this speed.
+  // Torque [N m] on the shaft of this axis at this speed.
   double at(const DriveAxis& axis, double speed_rad_per_s) const noexcept;
-  // The part of it that was commanded, without the damping.
+  // The commanded part of the torque, without the damping.
   double commanded_Nm() const noexcept { return enabled ? torque_Nm : 0; }
 };
 
@@ -47,13 +47,13 @@ class SimulatedDrive {
   double torque_Nm(double speed_rad_per_s) const noexcept { return law().at(axis_, speed_rad_per_s); }
   double commanded_Nm() const noexcept { return law().commanded_Nm(); }
   bool enabled() const noexcept { return enabled_; }
-  // A command to this drive, and not another's answer or another drive's command.
+  // True for a command to this drive; false for answers and for commands to other drives.
   bool is_meant_by(const DriveFrame& frame) const noexcept;
 
   // --- faults by command
   void report_fault(std::uint32_t code) noexcept;  // of the family; it is disabled
   void disable() noexcept;                         // by itself, without a fault
-  void restart() noexcept;                         // as after a power failure: what was written in RAM is lost
+  void restart() noexcept;                         // as after a power failure: values written into its RAM are lost
   void keep_no_watchdog() noexcept { watchdog_works_ = false; }
   void set_watchdog(double time_s) noexcept { timeout_s_ = time_s; }       // ODrive, as by its maker's tool
   void set_timeout_mode(unsigned mode) noexcept { timeout_mode_ = mode; }  // moteus

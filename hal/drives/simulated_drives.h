@@ -28,13 +28,13 @@ class SimulatedDrives {
 
   // One period passes.
   void advance() noexcept;
-  // What a bus does with a frame, and the answers that it has.
+  // A frame that is sent on a bus, and an answer that is taken from it.
   void hear(unsigned bus, const DriveFrame& frame) noexcept { rack_.hear(bus, frame, mechanics_.shafts()); }
   bool fetch(unsigned bus, ReceivedDriveFrame& received) noexcept { return rack_.fetch(bus, received); }
 
-  // [setup] The hand's path and the ticks of faults begin now; what waits on the buses is gone.
+  // [setup] Starts the hand's path, sets the tick of faults to 0 and drops frames that wait on the buses.
   void restart_clock() noexcept;
-  // [setup] While it is held, the hand stays where its path begins; restart_clock() lets it go.
+  // [setup] The hand stays at the start of its path until restart_clock().
   void hold_hand() noexcept { mechanics_.hold_hand(); }
   // [setup] Precondition: fewer than kMaxFaults that are not over.
   void inject(const DriveFault& fault) noexcept { rack_.inject(fault); }

@@ -11,7 +11,7 @@ SimulatedRack::SimulatedRack(const DriveDescription& description, std::int64_t p
 
 void SimulatedRack::restart_clock() noexcept {
   tick_ = 0;
-  for (Queue& queue : queues_) queue.size = 0;  // of ticks that are to come again
+  for (Queue& queue : queues_) queue.size = 0;  // their ticks will occur again
 }
 
 void SimulatedRack::end_period(const DriveShafts& shafts) noexcept {
@@ -98,7 +98,7 @@ bool SimulatedRack::fetch(unsigned bus, ReceivedDriveFrame& received) noexcept {
       received = mail.received;
       return true;
     }
-    put(bus, mail);  // not there yet: behind the others
+    put(bus, mail);  // not due yet: goes to the end of the queue
   }
   return false;
 }

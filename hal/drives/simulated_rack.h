@@ -1,8 +1,8 @@
 // The simulated drives of an arm without its mechanics: what frames do to them, faults by script, and their answers,
 // which stay queued on their bus until they are read.
 //
-// Whoever owns it moves the shafts: simulated_drives.h in one process; where each drive has a process of its own
-// (tests/vm/drive_processes.h), another one does. Thread: construction, inject(), restart_clock() [setup]; the rest
+// Its owner moves the shafts: simulated_drives.h in one process; another process where each drive has a process of its
+// own (tests/vm/drive_processes.h). Thread: construction, inject(), restart_clock() [setup]; the rest
 // [rt], by one thread: no allocation, no lock, bounded. Units: SI, of the drives' reported shafts.
 #pragma once
 
@@ -51,16 +51,16 @@ class SimulatedRack {
   // The other drives neither receive nor send.
   void keep_only(unsigned axis) noexcept { only_ = axis; }
 
-  // One period: begin, watchdogs in as many steps as its owner moves the shafts, end.
+  // One period: begin_period(), then pass() for each step in which the owner moves the shafts, then end_period().
   void begin_period() noexcept;
   void pass(unsigned axis, double time_s) noexcept { drives_[axis].advance(time_s); }
   void end_period(const DriveShafts& shafts) noexcept;
 
   void hear(unsigned bus, const DriveFrame& frame, const DriveShafts& shafts) noexcept;
-  // An answer that is there by now. False: none is.
+  // Takes an answer that is due. False: none is.
   bool fetch(unsigned bus, ReceivedDriveFrame& received) noexcept;
 
-  // The ticks of faults begin now; what waits is gone.
+  // Sets the tick of faults to 0 and drops waiting frames.
   void restart_clock() noexcept;
   // Precondition: fewer than kMaxFaults that are not over.
   void inject(const DriveFault& fault) noexcept;
@@ -75,7 +75,7 @@ class SimulatedRack {
  private:
   struct Mail {
     ReceivedDriveFrame received;
-    std::uint64_t from_tick{0};  // it is there from this tick on
+    std::uint64_t from_tick{0};  // due from this tick on
   };
   // First in, first out; a full queue drops the newest, as a kernel's does.
   struct Queue {

@@ -5,7 +5,7 @@
 // with e: of the last six commands, each with and without the drive's own damping, the one of least magnitude; 0 if
 // their signs differ. Periods with |e| < kLeastShare range are left out: there the offsets of current sensors may be as
 // large. Over the n others, once n >= kPeriods and sum e^2 >= kPeriods (kSureShare range)^2, the drive lacks torque if
-//   sum tau e < kTold sum e^2,  kTold = 1/4
+//   sum tau e < kReported sum e^2,  kReported = 1/4
 // and the sums restart. Thread: [rt], one; constant time. Units: N m, rad/s, of the drive's shaft.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace tactus::hal {
 class TorqueWatch {
  public:
   static constexpr unsigned kPeriods = 10;
-  static constexpr double kLeastShare = 0.01, kSureShare = 0.02, kTold = 0.25;
+  static constexpr double kLeastShare = 0.01, kSureShare = 0.02, kReported = 0.25;
 
   void reset() noexcept { *this = {}; }
 
@@ -30,17 +30,17 @@ class TorqueWatch {
 
   // Once in each period with an answer. `damping_Nm`: what the drive's own damping adds at the speed that it reports.
   // True: it lacks torque.
-  bool lacks(double told_Nm, double damping_Nm, double range_Nm) noexcept {
+  bool lacks(double reported_Nm, double damping_Nm, double range_Nm) noexcept {
     const double expected = least(damping_Nm);
     if (std::abs(expected) < kLeastShare * range_Nm) return false;
     ++periods_;
-    told_ += told_Nm * expected;
+    reported_ += reported_Nm * expected;
     expected_ += expected * expected;
     const double sure_Nm = kSureShare * range_Nm;
     if (periods_ < kPeriods || expected_ < kPeriods * sure_Nm * sure_Nm) return false;
-    const bool lacking = told_ < kTold * expected_;
+    const bool lacking = reported_ < kReported * expected_;
     periods_ = 0;
-    told_ = expected_ = 0;
+    reported_ = expected_ = 0;
     return lacking;
   }
 
@@ -57,7 +57,7 @@ class TorqueWatch {
 
   std::array<double, 6> sent_{};
   unsigned newest_{0}, periods_{0};
-  double told_{0}, expected_{0};  // sums of told times expected, and of expected squared
+  double reported_{0}, expected_{0};  // sum of reported x expected torque; sum of expected^2
 };
 
 }  // namespace tactus::hal

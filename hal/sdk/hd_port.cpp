@@ -51,7 +51,7 @@ enum Code : std::uint32_t {
   kNoLicence = 0x0600,
 };
 
-// The fault that an error of the library is; 0: one that a sample may be lost by, and no more.
+// The fault for an error of the library; 0: an error that costs at most a sample.
 std::uint32_t fault_of(std::uint32_t code) noexcept {
   switch (code) {
     case kWarmMotors:
@@ -128,7 +128,7 @@ Status HdPort::prepare(const std::string& name) {
   if (Status status = read_identity(); !status.ok()) return status;
   if (Status status = read_figures(); !status.ok()) return status;
   f_.hdEnable(kForceClamping);
-  (void)take_error();  // a library that has no such cut: the force is cut here, too
+  (void)take_error();  // the library may lack this limit; tactus limits the force too
   if (!enable_forces(false)) return Status::error("openhaptics: the device's forces cannot be switched off");
   return Status::good();
 }

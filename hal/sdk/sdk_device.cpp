@@ -19,7 +19,7 @@ using haptics::ReadStatus;
 
 constexpr std::uint32_t kStack_KiB = 512;  // of the library, whose depth is not known
 constexpr int kPriority = 85;
-// For a scheduler to make the trials, beyond their periods; and for its last call.
+// kPatience_ns: for the trials of a scheduler, in addition to their periods. kLastCall_ns: for its last call.
 constexpr std::int64_t kPatience_ns = 1'000'000'000, kLastCall_ns = 100'000'000, kLook_ns = 1'000'000;
 
 // False: `done` did not become true in time.
@@ -59,7 +59,7 @@ bool SdkWorker::end(std::int64_t longest_ns) noexcept {
   const auto finished = [this] { return finished_.load(std::memory_order_acquire); };
   if (port_->has_scheduler()) {
     if (!wait_for(kLastCall_ns, finished)) {
-      // It calls no more, or is in a call that does not return: then ending it may not return either.
+      // The scheduler has stopped, or a call does not return; then stop_calls() may not return either.
       std::thread([this] {
         port_->stop_calls();
         finish();
@@ -247,7 +247,7 @@ void SdkWorker::finish() noexcept {
   finished_.store(true, std::memory_order_release);
 }
 
-// By the library's scheduler.
+// Called by the library's scheduler.
 void SdkWorker::called() noexcept {
   if (finished_.load(std::memory_order_relaxed)) return;
   if (stop_.load(std::memory_order_relaxed)) return finish();
@@ -255,12 +255,12 @@ void SdkWorker::called() noexcept {
   exchange();
 }
 
-// By the device's own thread.
+// Runs on the device's own thread.
 void SdkWorker::work() noexcept {
   std::int64_t deadline_ns = MonotonicClock::now_ns();
   while (!stop_.load(std::memory_order_relaxed)) {
     exchange();
-    // A call that took longer than a period makes no burst afterwards.
+    // After a call of more than a period the missed calls are not made up for.
     deadline_ns = std::max(deadline_ns + period_ns_, MonotonicClock::now_ns());
     MonotonicClock::sleep_until_ns(deadline_ns);
   }

@@ -62,7 +62,7 @@ class SdkWorker {
   Status run_trials();
   Status judge_trials();
   void publish() noexcept;
-  // Of the library's thread.
+  // --- used by the library's thread
   void called() noexcept;
   void work() noexcept;
   void try_once() noexcept;
@@ -73,14 +73,14 @@ class SdkWorker {
   std::unique_ptr<SdkPort> port_;
   std::int64_t period_ns_;
   haptics::DeviceProperties properties_;
-  // Of the haptic thread.
+  // --- used by the haptic thread
   haptics::DeviceSample sample_;
   HostStates states_;
   std::uint64_t periods_{0};
   unsigned silent_{0};  // periods without an answer, in a row
   LatestValue<Request> requests_;
   LatestValue<Answer> answers_;
-  // Of the library's thread, and before it starts and after it ended of the owner's.
+  // --- used by the library's thread; before its start and after its end by the owner's
   Request newest_;
   unsigned unasked_{0}, lost_{0};  // periods without a request; without a fresh sample
   std::uint32_t reported_{0};      // the fault that the library reported, until force is no longer requested
@@ -91,7 +91,7 @@ class SdkWorker {
   SdkResult trial_result_{SdkResult::kError};
   std::atomic<unsigned> trials_{0};
   std::atomic<bool> stop_{false}, finished_{false}, gone_{false};
-  // Of the newest exchange, for trouble().
+  // Results of the newest exchange, for trouble().
   std::atomic<SdkResult> told_{SdkResult::kFresh};
   std::atomic<std::uint32_t> told_fault_{0};
   std::atomic<std::int64_t> ended_ns_{0}, took_ns_{0};
@@ -101,7 +101,7 @@ class SdkWorker {
 class SdkDevice {
  public:
   static constexpr unsigned kGone = SdkWorker::kGone, kTrials = SdkWorker::kTrials;
-  // A call of the library that takes longer at the end is left to itself, with its thread: the device's own watchdog
+  // A last call of the library that takes longer is not waited for, and its thread is kept: the device's own watchdog
   // ends the force.
   static constexpr std::int64_t kLastCall_ns = 1'000'000'000;
 

@@ -13,7 +13,7 @@ namespace tactus::hal {
 
 enum class SdkResult : std::uint8_t {
   kFresh = 0,
-  kOld = 1,    // the library gave the last sample once more
+  kOld = 1,    // the library returned the last sample again
   kError = 2,  // it refused; the next exchange may succeed
   kGone = 3,   // the device is not there any more
 };
@@ -21,7 +21,7 @@ enum class SdkResult : std::uint8_t {
 struct SdkState {
   Posed device_from_tool;
   std::uint32_t buttons{0};
-  std::uint32_t fault{0};  // why the device gives no force: firmware/faults.h, sdk_faults.h; 0: it would, or it does
+  std::uint32_t fault{0};  // why the device gives no force: firmware/faults.h, sdk_faults.h; 0: no fault
 };
 
 // Called once a period.
@@ -36,7 +36,7 @@ class SdkPort {
   virtual const haptics::DeviceProperties& properties() const noexcept = 0;
   // Sends a wrench and takes a state, in the order that the library requires. The fault counts whatever the result is.
   virtual SdkResult exchange(const Wrenchd& wrench, SdkState& state) noexcept = 0;
-  virtual bool enable_forces(bool on) noexcept = 0;  // off: brakes, where the device has some. False: refused
+  virtual bool enable_forces(bool on) noexcept = 0;  // off: also engages brakes, if the device has any. False: refused
   // What ends the force when this program or its library stops, as a half line.
   virtual std::string watchdog() const = 0;
 

@@ -57,7 +57,7 @@ Result<SharedLibrary> SharedLibrary::open(const LibrarySearch& search, const fs:
     if (void* const handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE))
       return SharedLibrary(handle, path.string());
     const std::string told = dlerror();
-    // A library that is there and needs one that is not says more than one that is not there.
+    // Keeps the message about a library that exists and lacks a dependency: it explains more than "not found".
     if (needs_another) continue;
     needs_another = !told.starts_with(path.string());
     why = told;

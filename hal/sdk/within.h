@@ -1,7 +1,7 @@
 // A call of a maker's library that may never return, with a deadline.
 //
-// It is made on a thread of its own. Beyond the deadline the thread is left to itself with all that it owns, and the
-// program goes on without: nothing can end a call from outside. Thread: [setup].
+// The call runs on a thread of its own. After the deadline the thread is detached and keeps what it owns; a call cannot
+// be aborted from outside. Thread: [setup].
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@
 
 namespace tactus::hal {
 
-// `call` must own what it uses. Error beyond the deadline: `late`, and for how long it was waited.
+// `call` must own what it uses. Error after the deadline: `late`, and the time that was waited.
 template <class T>
 Result<T> within(std::chrono::seconds longest, const std::string& late, std::function<Result<T>()> call) {
   struct Shared {

@@ -187,7 +187,7 @@ void HapticLoop::step(const haptics::DeviceTarget& target, const TickInput& in, 
   out.deepest_m = report.deepest_m;
   if (report.deepest_m > kSharesFrom * config_.thinnest_m && config_.thinnest_m > 0)
     out.deepest_share = physics::deepest_overlap(sub_world_.world()).share;
-  out.border_work_J = sub_world_.border_work_J();
+  out.border_work_J = sub_world_.border_work_J() + sub_world_.push_out_J();
   out.corrected_J = sub_world_.corrected_J();
   out.border_tank_J = sub_world_.border_tank_J();
   report_ = report;

@@ -82,7 +82,7 @@ struct TickOutput {
   Wrenchd wanted;             // N, N m, device frame: before passivity and limits
   double device_energy_J{0};  // into the virtual side at the device port, since the start, counted when felt
   double damped_energy_J{0};  // dissipated by the passivity controller, since the start
-  double border_work_J{0};    // by the border on members, since the start, with sign
+  double border_work_J{0};    // by border and push-out on members, since the start, with sign
   double corrected_J{0};      // given to members and the device's spring by corrections, since the start, with sign
   double border_tank_J{0};    // energy that the border may still supply
 };

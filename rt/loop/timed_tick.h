@@ -10,8 +10,8 @@
 //
 // Thread: construction, cut_at() [setup]; operator() [rt], by one thread. Units: ns of `Clock`. Bound: read() and
 // write() by the device's contract, compute() by the governor and the cut, the lines by theirs. Reads the clock three
-// times and the thread's time twice, and the clock once more per sweep. These measurements affect the physics only
-// through the cut.
+// times, and once more per sweep; the thread's CPU time once, and once more after an overrun. These measurements affect
+// the physics only through the cut.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include "rt/physics/solver.h"
 
 #include "rt/physics/integrate.h"
+#include "rt/physics/push_out.h"
 
 namespace tactus::physics {
 namespace {
@@ -65,7 +66,7 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
                      .impulse_scale = input.impulse_scale,
                      .friction = settings.friction});
     context.ghosts = border_.ghosts();
-    context.ghosts_may_supply = input.border_rule.budget_J > 0.0;
+    context.ghosts_may_supply = input.border_rule.available_J > 0.0;
   }
 }
 
@@ -203,7 +204,20 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
     return true;
   };
 
+  PushOut push_out;
+  const auto push_out_step = [&]() noexcept {
+    if constexpr (kIsWhole)
+      return PushOut::Step{input.bodies, motion_.span(), input.springs, settings.gravity, settings.dt};
+    else
+      return PushOut::Step{};
+  };
+  const bool has_ghosts = kIsWhole && !input.ghosts.empty();
+  const auto pass = [&](double seconds) noexcept {
+    if (has_ghosts) push_out.pass(push_out_step(), seconds);
+  };
+
   prepare(input, context);
+  pass(0.5 * h);
   for (std::uint32_t j = 0; j < settings.sub_steps; ++j) {
     context.sub_step = j;
     for (auto& spring : springs_) spring.release();
@@ -248,10 +262,12 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
     if (!counted) contacts_.add_to_totals();
     border_.end_sub_step(state());
     for (auto& spring : springs_) spring.end_sub_step();
+    pass(j + 1 == settings.sub_steps ? 0.5 * h : h);
   }
   for (std::uint32_t i = 0; i < input.springs.size(); ++i)
     input.springs[i].step_impulse = {number_cast<double>(springs_[i].impulse().force),
                                      number_cast<double>(springs_[i].impulse().torque)};
+  if (has_ghosts) report.push_out_J = push_out.work_J(push_out_step());
   store(input, context, uncorrected);
 }
 

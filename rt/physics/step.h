@@ -54,7 +54,7 @@ constexpr double carry_over_margin(const StepSettings& settings) noexcept { retu
 
 // Bodies that no pair links to the others and for which fewer sub-steps suffice.
 struct CoarseRegion {
-  std::span<const std::uint8_t> bodies;  // by slot, 1: far; empty: no body is far
+  std::span<const std::uint8_t> bodies;  // by slot, 1: coarse; empty: no body is coarse
   std::uint32_t sub_steps{0};
 };
 
@@ -71,6 +71,7 @@ struct StepReport {
   double deepest_m{};                  // largest overlap at the start of the step [m]
   std::uint32_t broken_joints{0};      // joints that broke in this step
   double border_joints_J{};            // J: work of joints to bodies of another world, done on this world's bodies
+  double push_out_J{};                 // J: PushOut::work_J; of a world with ghosts, else 0
   // N, N m about the proxy's centre: what the hand receives beside the coupling's wrench (effects texture, transients).
   Wrenchd hand_wrench{};
 };

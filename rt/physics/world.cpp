@@ -442,8 +442,8 @@ void World::solve(std::span<const std::uint8_t> held, std::span<PoseSpring> spri
   single_solver_->step(input, settings, cut, report);
 }
 
-// Solves the far region; the others have been solved and are held. Impulses stored between steps are those of the near
-// region's sub-step.
+// Solves the coarse region; the others have been solved and are held. Impulses stored between steps are those of the
+// other bodies' sub-step.
 void World::solve_far(const CoarseRegion& far, const StepSettings& settings, const CutPredicate& cut,
                       StepReport& report) noexcept {
   TACTUS_CHECK(far.bodies.size() == bodies_.size() && far.sub_steps > 0, far.bodies.size(), far.sub_steps);

@@ -75,15 +75,15 @@ class World {
   void index_fixed_bodies() noexcept;
 
   // --- one step, in three calls: begin_step, the caller's pair finder, finish_step. `settings` must be the same in
-  // both, and no body may be moved in between. With a far region, pass begin_step the smaller number of sub-steps: the
-  // bounds must cover the longer fall (motion_bound.h).
+  // both, and no body may be moved in between. With a coarse region, pass begin_step the smaller number of sub-steps:
+  // the bounds must cover the longer fall (motion_bound.h).
   // Computes the bounds of all bodies: the bounds of two bodies that may touch overlap.
   void begin_step(const StepSettings& settings) noexcept;
   std::span<const Aabb> bounds() const noexcept { return bounds_.span(); }              // by slot, dynamic bodies
   std::span<const Aabb> fixed_bounds() const noexcept { return fixed_bounds_.span(); }  // by fixed slot
   // Filled by the pair finder, cleared by begin_step. After the step: all pairs whose bounds overlapped, by key.
   BoundedVector<SlotPair>& dynamic_pairs() noexcept { return dynamic_pairs_; }
-  // `far`: not in a world with border contacts; a body on a spring is never far.
+  // `far`: the coarse region; not in a world with border contacts; a body on a spring is never coarse.
   StepReport finish_step(const StepSettings& settings, const CutPredicate& cut = {},
                          const CoarseRegion& far = {}) noexcept;
 
@@ -105,6 +105,7 @@ class World {
 
   // --- constraints from outside the world
   PoseSpring& device_spring(std::uint32_t device = 0) noexcept { return springs_[device]; }
+  const PoseSpring& device_spring(std::uint32_t device = 0) const noexcept { return springs_[device]; }
   // Returns false (and sets kBorderContactsFull in the next report) if the list is full.
   bool add_border_contact(const BorderContact& contact) noexcept;
   BoundedVector<BorderContact>& border_contacts() noexcept { return border_contacts_; }
@@ -130,6 +131,7 @@ class World {
   // --- diagnostics
   double kinetic_energy() const noexcept;                        // J, dynamic bodies
   double potential_energy(const Vec3d& gravity) const noexcept;  // J, -sum m g.x
+  double joint_springs_J(double contact_hertz) const noexcept;   // Joints::springs_J; 0 without joints
   Wrenchd momentum() const noexcept;                             // N s; N m s about the world origin
   std::uint64_t state_hash() const noexcept;                     // poses, velocities and ids, in slot order
 
@@ -165,8 +167,9 @@ class World {
   ShapeLists shapes_;
   Executor executor_;
   BoundedVector<Body> bodies_, fixed_bodies_;  // by id
-  BoundedVector<std::uint8_t> frozen_, held_;  // by slot; held_: scratch of a step with a far region
-  BoundedVector<Wrenchd> wrenches_;            // by slot: for the next step
+  BoundedVector<std::uint8_t> frozen_;         // by slot
+  mutable BoundedVector<std::uint8_t> held_;  // by slot; scratch of a step with a coarse region, and of joint_springs_J
+  BoundedVector<Wrenchd> wrenches_;           // by slot: for the next step
   bool wrench_applied_{false};
   BoundedVector<Aabb> bounds_, fixed_bounds_;
   BoundedVector<BodyFrame> frames_, fixed_frames_;

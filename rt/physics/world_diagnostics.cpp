@@ -1,4 +1,7 @@
 // Energy, momentum and hash of a world.
+#include <algorithm>
+#include <utility>
+
 #include "rt/physics/state_fields.h"
 #include "rt/physics/world.h"
 
@@ -14,6 +17,17 @@ double World::potential_energy(const Vec3d& gravity) const noexcept {
   double sum = 0.0;
   for (const Body& body : bodies_) sum -= body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
   return sum;
+}
+
+double World::joint_springs_J(double contact_hertz) const noexcept {
+  const Joints* const joints = effects_.find<Joints>();
+  if (joints == nullptr) return 0.0;
+  held_.resize(bodies_.size());
+  std::copy(frozen_.begin(), frozen_.end(), held_.begin());
+  if (const auto* const scripted = effects_.find<ScriptedMotion>())
+    for (const KinematicScript& script : scripted->scripts())
+      if (const auto slot = slot_of(script.id)) held_[number_of(*slot)] = 1;
+  return joints->springs_J(bodies(), fixed_bodies(), held_.span(), contact_hertz);
 }
 
 Wrenchd World::momentum() const noexcept {

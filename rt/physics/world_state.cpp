@@ -43,7 +43,7 @@ void World::save(ByteWriter& out) const noexcept {
   for (PoseSpring spring : springs_) each_field(io, spring);
   write_all(out, border_contacts_.span());
   write_all(out, border_ghosts_.span());
-  fields(io, border_rule.mode, border_rule.budget_J, last_sub_step_, refused_bits_, refused_);
+  fields(io, border_rule.mode, border_rule.available_J, last_sub_step_, refused_bits_, refused_);
   effects_.save(out);
 }
 
@@ -125,7 +125,7 @@ bool World::restore(ByteReader& in) noexcept {
     if (!read_all(in, contacts_.stored_warm_starts())) return false;
     for (auto& spring : springs_) each_field(io, spring);
     if (!read_all(in, border_contacts_) || !read_all(in, border_ghosts_)) return false;
-    fields(io, border_rule.mode, border_rule.budget_J, last_sub_step_, refused_bits_, refused_);
+    fields(io, border_rule.mode, border_rule.available_J, last_sub_step_, refused_bits_, refused_);
     return effects_.restore(in) && in.ok() && is_consistent();
   };
   if (!read()) {

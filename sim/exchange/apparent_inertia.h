@@ -30,8 +30,8 @@
 // `experiment energy-loss` by 0.1 % of the force (2026-11-22).
 //
 // Thread: the global world's; construction [setup]; allocates nothing. Frame: world. Units: SI. Work: index linear in
-// contacts, find in kMaxBodies. Source: the study of borders (Schur complement of the outside contact system);
-// implicit integration of stiff contacts, Baraff and Witkin 1998; articulated-body inertia, Featherstone.
+// contacts, find in kMaxBodies. Source: Schur complement of the outside bodies' contact system, above; implicit
+// integration of stiff contacts, Baraff and Witkin 1998; articulated-body inertia, Featherstone.
 #pragma once
 
 #include <array>

@@ -4,9 +4,10 @@
 // penetrated the next one. So a member and another body approach each other if, at their present velocities, their
 // surfaces meet within `horizon_s`: two cycles, until the next choice of members but one. Such a pair is an edge of the
 // contact graph, and a contact of the border if the other body does not become a member.
+//
 // Thread: the global world's; construction [setup], the rest never allocates. Frame: world. Units: SI. Work: linear in
 // bodies, and in members times the bodies in reach of any. Bound: kMaxApproaches pairs; further ones are left out.
-// Source: speculative contacts (Catto 2013); the study of couplings, section 4.7.
+// Source: speculative contacts (Catto 2013); sim/README.md, "Bodies that approach".
 #pragma once
 
 #include <span>

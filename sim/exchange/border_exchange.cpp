@@ -3,6 +3,7 @@
 #include "rt/base/rotation_vector.h"
 #include "rt/physics/contact/find_contacts.h"
 #include "rt/physics/contact/pair_friction.h"
+#include "rt/physics/push_out.h"
 
 namespace tactus::sim {
 namespace {
@@ -159,6 +160,24 @@ double border_work_J(const physics::World& world, std::span<const Twistd> before
     }
   }
   return work_J;
+}
+
+double push_out_J(const physics::World& world, std::span<const Twistd> before, std::span<const std::uint8_t> members,
+                  double step_s, const Vec3d& gravity, const physics::PoseSpring& spring) noexcept {
+  const auto bodies = world.bodies();
+  const auto moved = [&](std::uint32_t slot) noexcept {
+    const Posed &start = world.last_poses()[slot], &end = bodies[slot].motion.pose;
+    return Twistd{end.position - start.position, small_rotation_vector(end.rotation * conjugate(start.rotation))};
+  };
+  const auto path = [&](std::uint32_t slot) noexcept {
+    return (before[slot] + bodies[slot].motion.velocity) * (0.5 * step_s);
+  };
+  double work_J = 0;
+  for (std::uint32_t i = 0; i < bodies.size(); ++i)
+    if (members[i] != 0) work_J += physics::push_out_J(bodies[i], gravity, moved(i).linear, path(i).linear);
+  if (!spring.enabled) return work_J;
+  const std::uint32_t slot = number_of(spring.slot);
+  return work_J + physics::push_out_J(spring.step_impulse * (1.0 / step_s), moved(slot), path(slot));
 }
 
 BorderExchange::BorderExchange(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints,

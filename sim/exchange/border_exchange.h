@@ -2,14 +2,18 @@
 // global step at the border contacts and, for ghosts, the outside bodies' predicted motion and admittance. From the
 // sub-world: the impulses that it applied there.
 //
-// Intervals: H(n) reports what the sub-world did over cycle n-1, from t_(n-1) to t_n. The global step over the same
-// time is the one before the step that H(n) starts, so its contacts are still in the world when H(n) is read. The
-// borders capped and replay, filtered or not, return impulses. Replay returns J_sub, as in the paper: friction then
-// counts in both worlds. Capped returns J_sub minus J_global of those contacts. Only friction is returned; the imposed
-// members transmit the normal force themselves. With ghosts the global world returns what its prediction of the
-// sub-world did not have (sim/exchange/sub_world_prediction.h). Thread: the global world's; construction [setup].
-// Frame: world. Units: SI. Bound: kMaxBorderPoints points; beyond, those with the least normal force are left out, ties
-// by order, and counted. Source: the paper, section 2.2.
+// Cycle: H(n) reports what the sub-world did over cycle n-1, from t_(n-1) to t_n. The global step over the same time is
+// the one before the step that H(n) starts, so its contacts are still in the world when H(n) is read.
+//
+// Returned to the outside bodies, by BorderTraits::returns:
+//   kImpulse (replay, filtered)  J_sub, as in the paper: friction then acts in both worlds
+//   kChange (capped, frozen)     J_sub minus J_global of those contacts
+//   kNothing (ghost)             nothing here: the global world returns what its prediction of the sub-world did not
+//                                have (sim/exchange/sub_world_prediction.h)
+// Only friction is returned; the imposed members transmit the normal force themselves.
+//
+// Thread: the global world's; construction [setup]. Frame: world. Units: SI. Bound: kMaxBorderPoints points; beyond,
+// those with the least normal force are left out, ties by order, and counted. Source: the paper, section 2.2.
 #pragma once
 
 #include <vector>
@@ -113,6 +117,10 @@ class BorderExchange {
 // Summed over all impulses on a body this is its change of kinetic energy. Contacts with static geometry do not count.
 double border_work_J(const physics::World& world, std::span<const Twistd> before, std::span<const std::uint8_t> members,
                      double step_s) noexcept;
+
+// Work [J] of position correction on members over a step (rt/physics/push_out.h). `spring`: of their device.
+double push_out_J(const physics::World& world, std::span<const Twistd> before, std::span<const std::uint8_t> members,
+                  double step_s, const Vec3d& gravity, const physics::PoseSpring& spring) noexcept;
 
 // Applies the report's tangential impulses to the outside bodies, as the border's traits `returned` specify. Call
 // before the next step. `members`, by slot: of the cycle that begins. Entries that are not finite are ignored.

@@ -23,17 +23,47 @@ void SubWorldPrediction::run(const SubWorldReport& report, haptics::DeviceTarget
   }
 }
 
-void SubWorldPrediction::fill_corrections(const physics::World& global, WorldSnapshot& next) const noexcept {
+void SubWorldPrediction::find_corrected(const WorldSnapshot& next) noexcept {
+  corrected_.clear();
   const bool has_run = sub_world_.ticks_in_cycle() > 0;  // since the last snapshot
-  if (!has_run || !has_border(next)) return;
-  for (const physics::Body& member : sub_world_.world().bodies())
-    if (const physics::Body* const body = global.find(member.id))
-      (void)next.corrections.try_push(haptics::correction_between(member.id, member.motion, body->motion));  // fits
+  if (!has_run) return;
+  const physics::World& world = sub_world_.world();
+  const auto bodies = world.bodies();
+  physics::Islands islands({parents_.data(), bodies.size()});
+  for (const auto& contact : world.contacts())
+    if (!contact.b_fixed) islands.link(contact.slot_a, contact.slot_b);
+  const auto* const joints = world.effects().find<physics::Joints>();
+  if (joints != nullptr)
+    joints->for_each_link(bodies,
+                          [&islands](std::uint32_t a, std::uint32_t b, std::uint32_t) noexcept { islands.link(a, b); });
+
+  std::fill_n(marked_.begin(), bodies.size(), false);
+  const auto mark_island = [&](BodyId member) {
+    if (const auto slot = world.slot_of(member)) marked_[islands.of(number_of(*slot))] = true;
+  };
+  for (const auto& contact : world.border_contacts()) mark_island(contact.member);
+  for (const auto& point : next.border) mark_island(point.member);
+  if (joints != nullptr)
+    for (const physics::Joint& joint : joints->joints()) {
+      if (joint.a == kNoBody) continue;
+      if (!world.slot_of(joint.a)) mark_island(joint.b);
+      if (!world.slot_of(joint.b)) mark_island(joint.a);
+    }
+  for (std::uint32_t slot = 0; slot < bodies.size(); ++slot)
+    if (marked_[islands.of(slot)]) (void)corrected_.try_push(bodies[slot].id);  // fits
+}
+
+void SubWorldPrediction::fill_corrections(const physics::World& global, WorldSnapshot& next) const noexcept {
+  for (const BodyId id : corrected_) {
+    const physics::Body *const member = sub_world_.world().find(id), *const body = global.find(id);
+    if (member != nullptr && body != nullptr)
+      (void)next.corrections.try_push(haptics::correction_between(id, member->motion, body->motion));  // fits
+  }
 }
 
 std::span<const OutsideImpulse> SubWorldPrediction::not_predicted(const SubWorldReport& report) noexcept {
   beyond_.clear();
-  if (report.ticks != report_.ticks) return {};
+  if (report.ticks != report_.ticks || !(report.border_tank_J > 0.0)) return {};
   for (const OutsideImpulse& given : report.outside) {
     const auto predicted = std::lower_bound(report_.outside.begin(), report_.outside.end(), given.id,
                                             [](const OutsideImpulse& p, BodyId id) { return p.id < id; });

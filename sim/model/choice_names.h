@@ -15,12 +15,12 @@
 
 namespace tactus::sim {
 
-std::string_view name_of(haptics::CouplingScheme scheme) noexcept;     // sub-world, direct, and so on
-std::string_view name_of(physics::BorderMode mode) noexcept;           // ghost, capped, replay, filtered, frozen
-std::string_view name_of(CutOrder order) noexcept;                     // best-first, breadth-first
-std::string_view name_of(Reach reach) noexcept;                        // two-cycles, paper
-std::string_view name_of(physics::SweepPrecision precision) noexcept;  // double, mixed
-std::string_view name_of(physics::FrictionSweeps sweeps) noexcept;     // auto, relax, every
+std::string_view name_of(haptics::CouplingScheme scheme) noexcept;
+std::string_view name_of(physics::BorderMode mode) noexcept;
+std::string_view name_of(CutOrder order) noexcept;
+std::string_view name_of(Reach reach) noexcept;
+std::string_view name_of(physics::SweepPrecision precision) noexcept;
+std::string_view name_of(physics::FrictionSweeps sweeps) noexcept;
 
 // All names, in the order of help texts.
 std::vector<std::string> coupling_names();

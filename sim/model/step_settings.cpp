@@ -5,6 +5,15 @@
 #include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
+namespace {
+
+bool is_small(const Scene& scene) {
+  const auto moving = std::count_if(scene.bodies.begin(), scene.bodies.end(),
+                                    [](const physics::Body& body) { return body.kind != physics::BodyKind::kFixed; });
+  return static_cast<std::size_t>(moving) <= kMaxBodiesInFineSteps;
+}
+
+}  // namespace
 
 physics::StepSettings step_settings(const Scene& scene, double period_s, std::uint32_t sub_steps) {
   physics::StepSettings settings;
@@ -20,10 +29,11 @@ physics::StepSettings step_settings(const Scene& scene, double period_s, std::ui
 
 unsigned global_sub_steps(const Scene& scene, unsigned ratio, unsigned haptic_sub_steps, bool ghosts) {
   const unsigned asked = scene.solver.global_sub_steps(ratio);
-  const auto moving = std::count_if(scene.bodies.begin(), scene.bodies.end(),
-                                    [](const physics::Body& body) { return body.kind != physics::BodyKind::kFixed; });
-  const bool fine = ghosts && static_cast<std::size_t>(moving) <= kMaxBodiesInFineSteps;
-  return fine ? std::max(asked, ratio * haptic_sub_steps) : asked;
+  return ghosts && is_small(scene) ? std::max(asked, ratio * haptic_sub_steps) : asked;
+}
+
+physics::SweepPrecision sweep_precision(const Scene& scene, physics::SweepPrecision large) {
+  return is_small(scene) ? physics::SweepPrecision::kFull : large;
 }
 
 }  // namespace tactus::sim

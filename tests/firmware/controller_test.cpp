@@ -47,7 +47,7 @@ TEST_CASE("the thresholds are the configuration's") {
   CHECK(b.state() == State::kBrake);
 }
 
-TEST_CASE("a device that nobody commands is idle, not broken") {
+TEST_CASE("a device without commands is idle and has no fault") {
   Bench b;
   b.nothing(1000);
   CHECK(b.state() == State::kIdle);

@@ -226,7 +226,7 @@ TEST_CASE("homing by index leaves the motors free, refuses FORCE until the last 
   CHECK(b.state() == State::kForce);
 }
 
-TEST_CASE("a homing that nobody demanded refuses FORCE as well, while it lasts") {
+TEST_CASE("a homing that the configuration does not demand refuses FORCE as well, while it lasts") {
   DeviceConfig config = bench_config();
   config.encoders = indexed();
   DeviceBench b(config);

@@ -1,6 +1,6 @@
-// Any bytes are what somebody sends to a running controller's control socket: the server survives, answers with one
-// JSON object, repeats at most kLongestEcho of the bytes, and serves the next one; no pace is beyond its bounds. What
-// follows the first line is the configuration that "reload" finds.
+// Arbitrary bytes on a running controller's control socket: the server survives, answers with one JSON object, repeats
+// at most kLongestEcho of the bytes, and serves the next client; the pace stays within its bounds. The bytes after the
+// first line are the configuration that "reload" reads.
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@ using namespace tactus;
 
 namespace {
 
-// "\u0000" is how JSON writes the longest byte; the rest is the answer's own words, the list of requests above all.
+// JSON escapes one byte as at most six characters (a zero byte as \u0000); the rest of the answer has at most 256.
 constexpr std::size_t kLongestAnswer = 6 * service::kLongestEcho + 256;
 
 void require(bool holds) {

@@ -1,5 +1,5 @@
-// Any bytes are a command that came over the wire: decoding and the controller must survive them, and what reaches the
-// motors stays inside the limits. The input is a sequence of frames, each after a byte that says how it is dressed:
+// Arbitrary bytes as commands on the wire: decoder and controller must survive them, and the efforts of the motors stay
+// inside the limits. The input is a sequence of frames, each after a byte that says how the frame is completed:
 // bit 0: seal it with a right CRC and header (to get past the decoder), bit 1: e-stop, bit 2: supply lost,
 // bit 3: counts from the same bytes; 0xff: no frame in this period.
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A hand that a person leads follows, never faster than a hand, and rests when nothing is wished.
+// A hand led by a person follows the target at a limited speed, and rests without a target.
 #include "hal/led_hand.h"
 
 #include <catch2/catch.hpp>

@@ -44,7 +44,7 @@ TEST_CASE("a free mass under a constant force has v = F t / m and x = F t^2 / 2 
   run(plant, 0.5, {3, 0, -6, 0, 0, 0});
   CHECK(plant.twist().linear.x == Approx(3.0 * 0.5 / 0.3).epsilon(1e-12));
   CHECK(plant.twist().linear.z == Approx(-6.0 * 0.5 / 0.3).epsilon(1e-12));
-  // One sub-step of the speed is what a semi-implicit step is ahead, half of it what its mean is.
+  // Semi-implicit Euler: x = v (t + h) / 2.
   CHECK(plant.pose().position.x == Approx(0.5 * 3.0 / 0.3 * 0.25).margin(5.0 * kStep_s));
   CHECK(plant.pose().position.x == Approx(0.5 * 3.0 / 0.3 * 0.5 * (0.5 + kStep_s)).epsilon(1e-12));
 }

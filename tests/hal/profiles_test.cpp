@@ -4,7 +4,10 @@
 #include <cmath>
 #include <string>
 
+#include "hal/device_file.h"
 #include "hal/plant.h"
+#include "rt/text/read_file.h"
+#include "rt/text/toml.h"
 
 using namespace tactus;
 using namespace tactus::hal;
@@ -60,23 +63,42 @@ TEST_CASE("a profile's properties give the motion of its simulated mechanics") {
   }
 }
 
-TEST_CASE("a profile has the name and the limits of its description, in which there is no mistake") {
+TEST_CASE("a built-in profile has the name and the figures of its file in hal/devices, and no mistake") {
+  using haptics::DeviceProperties;
+  struct {
+    const char *table, *key;
+    double DeviceProperties::*property;
+    bool of_rotation{false};
+  } const figures[] = {
+      {"workspace", "radius_m", &DeviceProperties::workspace_radius_m},
+      {"workspace", "max_speed_m_per_s", &DeviceProperties::max_speed_m_per_s},
+      {"workspace", "max_angular_speed_rad_per_s", &DeviceProperties::max_angular_speed_rad_per_s, true},
+      {"limits", "peak_force_N", &DeviceProperties::max_force_N},
+      {"limits", "peak_torque_Nm", &DeviceProperties::max_torque_Nm, true},
+      {"limits", "continuous_force_N", &DeviceProperties::continuous_force_N},
+      {"limits", "continuous_torque_Nm", &DeviceProperties::continuous_torque_Nm, true},
+      {"mechanics", "mass_kg", &DeviceProperties::mass_kg},
+      {"mechanics", "inertia_kg_m2", &DeviceProperties::inertia_kg_m2, true},
+      {"mechanics", "damping_Ns_per_m", &DeviceProperties::damping_Ns_per_m},
+      {"mechanics", "damping_Nms_per_rad", &DeviceProperties::damping_Nms_per_rad, true},
+      {"mechanics", "coulomb_friction_N", &DeviceProperties::coulomb_friction_N},
+      {"mechanics", "coulomb_friction_Nm", &DeviceProperties::coulomb_friction_Nm, true}};
   for (const DeviceProfile& p : all_profiles()) {
     CAPTURE(p.name);
-    const DeviceDescription& d = p.description;
-    CHECK(p.name == d.name);
-    CHECK(p.properties.mass_kg == d.mass_kg);
-    CHECK(p.properties.inertia_kg_m2 == d.inertia_kg_m2);
-    CHECK(p.properties.damping_Ns_per_m == d.damping_Ns_per_m);
-    CHECK(p.properties.damping_Nms_per_rad == d.damping_Nms_per_rad);
-    CHECK(p.properties.coulomb_friction_N == d.coulomb_friction_N);
-    CHECK(p.properties.coulomb_friction_Nm == d.coulomb_friction_Nm);
-    CHECK(p.properties.max_force_N == d.peak_force_N);
-    CHECK(p.properties.max_torque_Nm == d.peak_torque_Nm);
-    CHECK(p.properties.continuous_force_N == d.continuous_force_N);
-    CHECK(p.properties.continuous_torque_Nm == d.continuous_torque_Nm);
-    CHECK(p.properties.max_speed_m_per_s == d.max_speed_m_per_s);
-    CHECK(find_mistake(d).table == nullptr);
+    const auto file = text::read_file(TACTUS_SOURCE_DIR "/hal/devices/" + p.name + ".toml", kMaxDeviceFileBytes);
+    REQUIRE(file.has_value());
+    text::TomlNode root;
+    text::Diagnostics mistakes;
+    REQUIRE(text::read_toml(*file, root, mistakes));
+    CHECK(root.find("name")->text == p.name);
+    for (const auto& figure : figures) {
+      if (figure.of_rotation && !p.properties.has_rotation) continue;
+      CAPTURE(figure.key);
+      const text::TomlNode* value = root.find(figure.table)->find(figure.key);
+      REQUIRE(value != nullptr);
+      CHECK(p.properties.*figure.property == value->number);
+    }
+    CHECK(find_mistake(p.description).table == nullptr);
   }
 }
 

@@ -68,13 +68,13 @@ struct Rig {
   void until(std::uint64_t n) {
     while (device.tick() < n || command.sequence == 0) tick();
   }
-  // Of the motors now in force, at the tool.
+  // Force of the motors at the tool.
   Vec3d force() const {
     AxisVector effort{};
     for (unsigned i = 0; i < kAxisCount; ++i) effort[i] = static_cast<double>(device.motor_outputs().effort[i]);
     return profile().kinematics.wrench_of(device.plant().coordinates(), effort).force;
   }
-  // Forces arrive as they were sent but for the samples' quanta, the effort's 24 bits, and a step's way of the tool.
+  // A force differs from the command by the samples' quanta, the effort's 24 bits and the tool's motion in a step.
   bool pushes(double force_N) const { return std::abs(force().x - force_N) < 1e-3 * std::abs(force_N); }
   bool is_limp() const { return device.motor_outputs().effort == firmware::AxisValues{}; }
   const DeviceProfile& profile() const { return *find_profile(name); }
@@ -82,7 +82,7 @@ struct Rig {
   std::uint64_t sampled_at() const { return input.sample.device_time_ns / static_cast<std::uint64_t>(kPeriod_ns); }
 };
 
-// Where the read of each tick of [from, to] has its sample from: `sampled at`, or a letter for what is not fresh.
+// For the read of each tick in [from, to]: the tick of its sample, or a letter if there was no fresh sample.
 std::string story(Rig& rig, std::uint64_t from, std::uint64_t to) {
   rig.until(from - 1);
   std::string text;

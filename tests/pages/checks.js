@@ -33,10 +33,15 @@ for (const svg of drawings) {
   for (let i = 0; i < texts.length; ++i)
     for (let j = 0; j < i; ++j)
       if (overlap(texts[i].box, texts[j].box)) bad('overprint', `${short(texts[i].text)} lies on ${short(texts[j].text)}`);
-  // A point's letter is on no point's mark.
+  // A point's letter is on no point's mark, and beside one.
   const marks = all('use', svg).filter((mark) => !mark.closest('g.axis')).map((mark) => mark.getBoundingClientRect());
-  for (const label of all('g[id=label] text', svg))
-    if (marks.some((mark) => overlap(label.getBoundingClientRect(), mark))) bad('letter', `the letter ${short(label.textContent)} lies on a mark`);
+  for (const label of all('g[id=label] text', svg)) {
+    const letter = label.getBoundingClientRect();
+    if (marks.some((mark) => overlap(letter, mark))) bad('letter', `the letter ${short(label.textContent)} lies on a mark`);
+    const apart = (a, b) => Math.max(a.left - b.right, b.left - a.right, a.top - b.bottom, b.top - a.bottom);
+    if (marks.length && Math.min(...marks.map((mark) => apart(letter, mark))) > 0.12 * box.width)
+      bad('far-letter', `the letter ${short(label.textContent)} is beside no mark`);
+  }
 }
 
 // Axes: a unit on each; three ticks or more where the axis is of numbers, in order and evenly growing.

@@ -1,6 +1,7 @@
 """Small data for the pages, made by formulas, and with what no experiment should give: no numbers, one series far off the
 scale, two alike, one point alone, long names, negative values and zeros where an axis is logarithmic."""
 import copy
+import random
 
 MADE = {"date_utc": "2026-01-31 23:59 UTC", "version": "0.1.0 (commit 0123456789ab)", "built_for": "x86-64-v3 le",
         "machine": "a CPU with a long name of sixty-four cores @ 3.00GHz & <more>, 64 cores, Linux 6.1.0-rt",
@@ -117,6 +118,22 @@ def awkward_costs():
     return data
 
 
+def crowded_costs(scenes=24):
+    """Points, fronts and defaults wherever a measurement may put them; the same ones on each call."""
+    chance, points = random.Random(19), []
+    for scene in range(scenes):
+        times = sorted(chance.uniform(10.0, 60.0) for _ in range(chance.randint(2, 14)))
+        errors = sorted((10 ** chance.uniform(-3.5, -1.0) for _ in times), reverse=True)
+        front = list(zip(times, errors))
+        rest = [(us + chance.uniform(0.0, 4.0), error * 10 ** chance.uniform(0.0, 0.3)) for us, error in chance.choices(front, k=20)]
+        default = chance.randint(0, len(front))  # on the front, or the first beside it
+        points += [cost_point(f"scene {scene}", i, tick_us_p50=us, force_error_rms=error,
+                              force_error_by_seed=[0.5 * error, 1.5 * error], tick_us_p50_by_seed=[us - 2.0, us + 2.0],
+                              on_front=i < len(front), is_default=i == default)
+                   for i, (us, error) in enumerate(front + rest)]
+    return {"points": points, "notches": [], "seeds": 2, "period_us": 1000.0, "budget_us": 600.0}
+
+
 def capacity():
     rows, points = [], []
     for rate in (1000.0, 4000.0):
@@ -212,6 +229,7 @@ PAGES = {"couplings": ("couplings", lambda: windows(["stack", "pile"], COUPLINGS
          "energy-loss, one point": ("energy-loss", lambda: windows(["stack"], COUPLINGS[:1], [8])),
          "energy-loss, nothing but direct": ("energy-loss", lambda: windows(["stack"], [], [])),
          "accuracy-cost": ("accuracy-cost", costs), "accuracy-cost, awkward": ("accuracy-cost", awkward_costs),
+         "accuracy-cost, crowded": ("accuracy-cost", crowded_costs),
          "capacity": ("capacity", capacity), "capacity, awkward": ("capacity", awkward_capacity),
          "stability-map": ("stability-map", stability), "stability-map, awkward": ("stability-map", awkward_stability),
          "peers": ("peers", peers), "peers, awkward": ("peers", awkward_peers), "random-worlds": ("random-worlds", random_worlds)}

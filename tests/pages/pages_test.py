@@ -38,6 +38,10 @@ DEFECTS = {
               " const t = g.appendChild(document.createElementNS('http://www.w3.org/2000/svg', 'text')); g.id = 'label';"
               " t.textContent = 'A'; t.style.fontSize = '9px'; t.setAttribute('x', m.getAttribute('x'));"
               " t.setAttribute('y', m.getAttribute('y'));}",
+    "far-letter": "{const s = document.querySelector('figure svg[role=img]');"
+                  " const g = s.appendChild(document.createElementNS('http://www.w3.org/2000/svg', 'g'));"
+                  " const t = g.appendChild(document.createElementNS('http://www.w3.org/2000/svg', 'text')); g.id = 'label';"
+                  " t.textContent = 'A'; t.style.fontSize = '9px'; t.setAttribute('x', 2); t.setAttribute('y', 12);}",
     "units": "document.querySelectorAll('g.axis > g.text text').forEach((t) => t.textContent = 'force error')",
     "ticks": "{const t = document.querySelectorAll('g.ytick text'); [t[0].textContent, t[1].textContent] ="
              " [t[1].textContent, t[0].textContent];}",

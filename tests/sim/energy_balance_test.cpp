@@ -1,4 +1,4 @@
-// The energy balance of a world: what nothing explains is seen, and what friction takes does not hide it.
+// The energy balance of a world: an unexplained gain is found, and losses by friction do not hide it.
 #include "sim/energy_balance.h"
 
 #include <catch2/catch.hpp>
@@ -69,8 +69,7 @@ TEST_CASE("a pressed contact's spring is m w^2 e^2 / 2 of what it overlaps beyon
   const double omega = 2 * 3.14159265358979 * settings.contact_hertz;
   const double left = radius - world.bodies()[0].motion.pose.position.z - settings.slop;
   REQUIRE(left > 0.5 * deep);
-  CHECK(contact_springs_J(world, settings.contact_hertz, settings.slop) ==
-        Approx(0.5 * mass * omega * omega * left * left));
+  CHECK(springs_J(world, settings.contact_hertz, settings.slop) == Approx(0.5 * mass * omega * omega * left * left));
 }
 
 TEST_CASE("a scene in which more than gravity and the hand does work has no complete balance") {

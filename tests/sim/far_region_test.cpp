@@ -1,4 +1,4 @@
-// Fewer sub-steps where no sub-world is: what the far region keeps, and what it leaves alone.
+// Fewer sub-steps far from every sub-world: what the coarse region conserves, and that other bodies do not change.
 #include "tests/sim/global_world_bench.h"
 
 namespace {

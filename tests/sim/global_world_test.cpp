@@ -314,7 +314,7 @@ TEST_CASE("With ghosts a snapshot corrects the members of the cycle that ends, b
   CHECK(norm(bench.snapshot->corrections[1].displacement_m) < 1e-3);  // it falls in both
 }
 
-TEST_CASE("Other borders correct nobody, and their members keep their impulses") {
+TEST_CASE("Without ghosts a snapshot has no corrections, and members keep their impulses") {
   Bench bench(stack(3), slow_device());
   bench.run(3);
   CHECK(bench.snapshot->corrections.empty());
@@ -459,6 +459,18 @@ TEST_CASE("Scenes and options that cannot run are refused in one line") {
   options.extraction.all_members = true;
   CHECK(message(floating(257), options).find("257") != std::string::npos);
   CHECK(message(floating(256), options).empty());
+  options = {};
+  options.border_mode = physics::BorderMode::kReplay;
+  options.extraction.cap = 2;
+  Scene linked = floating(3);
+  CHECK(message(linked, options).empty());
+  linked.effect_data.joints.resize(1);
+  linked.effect_data.joints[0].a = 1;
+  linked.effect_data.joints[0].b = 2;
+  CHECK(message(linked, options).find("border replay") != std::string::npos);
+  CHECK(message(linked, options).find("ghost, or 3 members") != std::string::npos);
+  options.extraction.cap = 3;
+  CHECK(message(linked, options).empty());
   Scene scene = stack(2);
   scene.proxy = 2;  // the plane
   CHECK(message(scene, {}).find("proxy") != std::string::npos);

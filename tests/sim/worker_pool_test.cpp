@@ -88,7 +88,7 @@ TEST_CASE("no range is shorter than the grain", "[threads]") {
   }
 }
 
-// The caller takes ranges that nobody has begun: what it finds done when it returns is all of it, whoever did it.
+// The caller works on ranges too. When it returns, every range is done, whichever thread did it.
 TEST_CASE("what is written before is seen by every range, and what ranges write is seen after", "[threads]") {
   set_denormals_flush();
   WorkerPool pool(3);

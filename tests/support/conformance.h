@@ -1,7 +1,5 @@
-// Runs the lines of firmware/conformance.txt: what a device answers to them, in the file's own words.
-//
-// The lines of the file go in one by one, answers as they stand in the file included; out comes each line as it is, but
-// answers with the device's own values. Thread: one.
+// Runs firmware/conformance.txt on a device. Returns the input lines, with answer lines replaced by the device's
+// answers. Thread: one.
 #pragma once
 
 #include <optional>
@@ -21,6 +19,7 @@ std::string says(const firmware::StateFrame& frame);
 
 class ConformanceDevice {
  public:
+  // Call for each line of the file, in order.
   std::string answer(const std::string& line);
 
  private:

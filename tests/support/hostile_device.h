@@ -1,7 +1,7 @@
-// A device that means harm, on a link: whatever bytes it sends, what the loop commands stays within the limits.
+// A hostile device on a link: whatever bytes it sends, the loop's commands must stay within the limits.
 //
 // A script of bytes is played through LinkedDevice and HapticLoop (direct coupling to a proxy that does not move, so
-// that every believed motion makes a force). Each tick begins with a byte of what the link does, as bits:
+// that every accepted motion makes a force). Each tick begins with a byte that says what the link does, as bits:
 //   1 sealed: a state frame with a right check, near the last one: at most 32 counts on from it
 //   2 of a sealed one: counts from the script, whole 32 bits     4 of a sealed one: sequence and time from the script
 //   8 nothing comes   16 the device is away   32, 64 the person arms, re-arms   128 of a sealed one: state and fault
@@ -37,7 +37,7 @@ class ScriptReader {
   std::span<const std::uint8_t> left_;
 };
 
-// What the script makes of it; the commands go into `sent`.
+// A link that returns what the script says and stores commands in `sent`.
 struct HostileLink {
   std::array<std::byte, firmware::kMaxFrameSize> bytes{};
   hal::ReceivedFrame next;
@@ -76,7 +76,7 @@ class HostileSession {
     frame_.state = firmware::State::kIdle;
   }
 
-  // At most `ticks`, until the script ends or something is violated.
+  // Runs `ticks` ticks, or fewer if the script ends or a limit is violated.
   Hostilities run(std::uint64_t ticks) {
     while (found_.violated == nullptr && found_.ticks < ticks && !script_.empty()) tick();
     found_.fresh = device_.counters().fresh;

@@ -1,6 +1,6 @@
 // The program of every test: Catch2's own, and a watch over the threads that a case starts. The thread sanitizer sees
-// only what threads do, so its build takes the cases tagged [threads] alone (tests/CMakeLists.txt): one that starts a
-// thread without the tag would be left out unseen, and makes the program fail here.
+// only what threads do, so its build runs only the cases tagged [threads] (tests/CMakeLists.txt): a case that starts a
+// thread without the tag would be left out unnoticed, so this program fails.
 #include <dlfcn.h>
 #include <pthread.h>
 

@@ -62,13 +62,13 @@ struct PhysicsBench {
       add_box(first + k, {half, half, half}, mass, friction, {{0.0, 0.0, half * (2.0 * k + 1)}, {}});
   }
 
-  // --- what mechanics says
+  // --- expected values, from mechanics
   // Position of a thrown body after n sub-steps of semi-implicit Euler, exactly.
   Vec3d thrown(const Vec3d& x0, const Vec3d& v0, std::uint64_t n) const {
     const double k = static_cast<double>(n), h_s = h();
     return x0 + (k * h_s) * v0 + Vec3d{0, 0, -kGravity * h_s * h_s * k * (k + 1) / 2};
   }
-  // How deep a load sinks into one soft contact point of effective mass `mass`.
+  // Overlap of one contact point of effective mass `mass_kg` under a load.
   double overlap_under(double load_N, double mass_kg) const {
     const double omega = 2 * kPi * settings.contact_hertz;
     return settings.slop + load_N / (mass_kg * omega * omega);

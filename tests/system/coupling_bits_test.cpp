@@ -1,4 +1,4 @@
-// The interface between the worlds, pinned: where nothing has to be cut, the sub-world is the whole world, bit by bit.
+// If every body is a member, the sub-world's run has the same bits as the direct run.
 #include "tests/support/bits.h"
 #include "tests/system/session_bench.h"
 
@@ -14,7 +14,7 @@ struct Trace {
 
 Trace trace_of(sim::Scene scene, const session::RunOptions& options, std::uint64_t ticks) {
   auto session = make_session(std::move(scene), options);
-  // The governor's choices are inputs of a tick, and its forecast differs where bodies join: it must not choose here.
+  // A budget so large that the governor changes nothing: its forecast would differ between the runs when bodies join.
   loop::GovernorConfig governor = session->governor->config();
   governor.budget = 1e6;
   *session->governor = loop::Governor(governor);

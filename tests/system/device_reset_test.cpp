@@ -13,13 +13,13 @@ using namespace tactus::test;
 namespace {
 
 constexpr std::int64_t kPeriod_ns = 1'000'000;
-// Of a motor's limit, in a period: 0.2 s from nothing to all, and what the hand does meanwhile.
+// Share of a motor's limit by which an effort may rise in a period: the ramp of 0.2 s, and the hand's motion.
 constexpr double kMaxRise = 0.01;
 constexpr int kPatience = 40, kBack = 350;  // ticks from a reset to the re-arm, and from there until all force is back
 
 enum class Wire { kUsb, kUsbLate, kClassicCan };
 
-// What is between host and device: whole frames, a command that is so many periods on its way, or fragments.
+// The link of host and device: whole frames, whole frames with late commands, or fragments on classic CAN.
 class ResetLink {
  public:
   ResetLink(const hal::DeviceProfile& profile, const hal::HandModel& hand, Wire wire)

@@ -1,4 +1,4 @@
-// The suite on a bench of its own: the simulated device, and a link that can be made to lie.
+// The suite of `tactus hil` on a simulated device, behind a link that can inject wrong frames.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -11,12 +11,13 @@ namespace tactus::test {
 
 inline constexpr std::int64_t kHilPeriod_ns = 1'000'000;
 
-// What a bad device or a bad cable does with frames: each may be null. Counts from the link's start.
+// Faults of a device or a cable. Each function gets the number of the frame since the link's start, or the command, and
+// may be null.
 struct Tampering {
-  std::function<bool(std::uint64_t)> lose_state{};                          // this one does not arrive
-  std::function<void(std::uint64_t, firmware::StateFrame&)> alter_state{};  // its checksum is right again
-  std::function<bool(std::uint64_t)> repeat_state{};                        // the one before comes instead
-  std::function<bool(const firmware::CommandFrame&)> supersede_command{};   // a newer one replaces it before it leaves
+  std::function<bool(std::uint64_t)> lose_state{};                          // true: the frame does not arrive
+  std::function<void(std::uint64_t, firmware::StateFrame&)> alter_state{};  // its checksum is computed again
+  std::function<bool(std::uint64_t)> repeat_state{};                        // true: the frame before arrives instead
+  std::function<bool(const firmware::CommandFrame&)> supersede_command{};   // true: a newer one is sent instead
 };
 
 class TamperedLink {
@@ -79,7 +80,7 @@ struct HilBench {
         options(o),
         bench(link, profile, provoker, stepped(options)) {}
 
-  // The finding of one check, with all that comes before and after it.
+  // Runs one check, with the checks that it needs before and after it, and returns its finding.
   hil::CheckFinding check(const char* name) {
     const auto report = run_suite(bench, {{name}, true}, {});
     REQUIRE(report.checks.size() == 1);

@@ -41,7 +41,7 @@ const hil::CheckReport& check_of(const hil::SuiteReport& report, std::string_vie
   return report.checks.front();
 }
 
-// Goes on with its force whatever is wanted, and says so.
+// Stays in FORCE whatever is commanded, and reports it.
 struct Disobedient {
   haptics::DeviceProperties device_properties;
   haptics::DeviceSample sample;
@@ -54,7 +54,7 @@ struct Disobedient {
   void write(const haptics::DeviceCommand& command) noexcept { sample.echoed_sequence = command.sequence; }
 };
 
-// Obeys, and sends no samples any more from the first force on.
+// Obeys, and sends no more samples after the first command with a force.
 struct Mute {
   haptics::DeviceProperties device_properties;
   haptics::DeviceSample sample;

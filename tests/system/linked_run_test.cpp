@@ -114,7 +114,7 @@ TEST_CASE("a real-time run leaves its device in IDLE without fault, ended by its
   const firmware::Controller& device = linked.loopback->device().controller();
   CHECK(device.state() == firmware::State::kIdle);
   CHECK(device.fault() == firmware::Fault::kNone);
-  // Nobody commands it any more, and it stays so.
+  // It gets no more commands, and stays in this state.
   std::array<std::byte, firmware::kMaxFrameSize> buffer{};
   for (int i = 0; i < 50; ++i) (void)linked.loopback->receive(buffer);
   CHECK(device.state() == firmware::State::kIdle);

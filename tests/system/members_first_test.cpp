@@ -1,4 +1,4 @@
-// The boundary cube's promise: nothing is touched before it is a member.
+// The boundary cube: the proxy touches no body before it is a member.
 #include "rt/physics/collision/manifold.h"
 #include "tests/system/session_bench.h"
 

@@ -253,7 +253,7 @@ TEST_CASE("bus-off disconnects the host and silences the device until the restar
   CHECK(host.link->bus_errors().restarted == 1);
 }
 
-TEST_CASE("error frames of other kinds are counted and disconnect nobody", "[threads]") {
+TEST_CASE("error frames of other kinds are counted and do not disconnect the link", "[threads]") {
   Board board("vcan0", false);
   Host host{opened(board, {.interface = "vcan0"}), {}};
   REQUIRE(host.link->start().ok());

@@ -81,12 +81,20 @@ run_debian() {
 
 # Verdicts only; what is not good stands out. After each scenario how long it took here.
 show_verdicts() {
-  awk 'function ended() { if (name != "") printf "  %s took %d s\n", name, systime() - start; name = "" }
-       sub(/^ok /, "  ok       ") || sub(/^skip /, "  skipped  ") || sub(/^cannot /, "  CANNOT   ") ||
-         sub(/^not ok /, "  NOT OK   ") || sub(/^guest:/, "  &") { print }
-       /^scenario / { ended(); name = "scenario " $2; start = systime() }
-       /^suite ended/ { ended() }
-       { fflush() }'
+  local line scenario='' start=0
+  while IFS= read -r line || [[ -n $line ]]; do
+    case $line in
+      'ok '*) echo "  ok       ${line#ok }" ;;
+      'skip '*) echo "  skipped  ${line#skip }" ;;
+      'cannot '*) echo "  CANNOT   ${line#cannot }" ;;
+      'not ok '*) echo "  NOT OK   ${line#not ok }" ;;
+      'guest:'*) echo "  $line" ;;
+      'scenario '* | 'suite ended'*)
+        if [[ -n $scenario ]]; then echo "  $scenario took $((SECONDS - start)) s"; fi
+        scenario=$line start=$SECONDS
+        ;;
+    esac
+  done
 }
 
 # collect NAME: what a guest left, and its verdicts, into `passed` and `failed`.

@@ -37,7 +37,7 @@ const char* words_of(ServiceStatus status) noexcept {
   }
 }
 
-// Asks again while the device is busy: a write is in force a period later, a save takes some fifty.
+// Asks again while the device is busy: a write takes effect one period later, a save after some fifty.
 Result<std::uint32_t> ask(hal::AnyLink& link, Operation operation, const Register& row, unsigned index,
                           std::uint32_t value) {
   const auto number = static_cast<std::uint16_t>(row.number + index);
@@ -53,7 +53,7 @@ Result<std::uint32_t> ask(hal::AnyLink& link, Operation operation, const Registe
     if (status == ServiceStatus::kGood) return reply.value().value;
     if (status != ServiceStatus::kBusy) break;
     std::this_thread::sleep_for(kBusyPause);
-    (void)link.receive(dropped);  // a device in this process advances one period by it
+    (void)link.receive(dropped);  // also advances a device in this process by one period
   }
   return Status::error(fmt::format("{}: refused: {}", name_of(row, index), words_of(status)));
 }

@@ -14,7 +14,8 @@
 
 namespace tactus::device {
 
-// A figure of 0, damping of -1, an empty text: what is usual with the family and the kind; complete() puts it there.
+// A figure of 0, damping of -1 and an empty text stand for the usual value of the family and the kind, which complete()
+// sets.
 struct NewDescription {
   std::string name{"my_arm"};
   std::string kind{"point_arm"};  // wristed_arm, point_arm, stage
@@ -43,12 +44,12 @@ struct Question {
   const char* text;
   const char* unit;
   double NewDescription::*value;
-  // Which descriptions have it.
+  // True for the descriptions that have the figure.
   bool (*applies)(const NewDescription& description);
 };
 std::span<const Question> questions() noexcept;
 
-// Error: an unknown kind or family, buses or a name that are none, with what is accepted.
+// Error: an unknown kind or family, invalid buses or an invalid name, with what is accepted.
 Status check_kind(const NewDescription& description);
 Status check_family(const NewDescription& description);
 Status check_buses(const NewDescription& description);
@@ -57,8 +58,8 @@ Status check_choices(const NewDescription& description);  // all of these, and t
 // Are there drives, with buses to name?
 bool has_drives(const NewDescription& description);
 
-// Puts what is usual with the family and the kind where nothing was given: with the figures of this struct each pair of
-// them makes a description that is accepted. Precondition: check_choices() is good.
+// Sets what was not given to the usual value of the family and the kind. With the defaults of this struct every pair of
+// family and kind makes a description that is accepted. Precondition: check_choices() is good.
 void complete(NewDescription& description);
 
 // The file. Precondition: check_choices() is good, complete() was called.

@@ -1,4 +1,4 @@
-// What an import has to say: what was taken over, what was changed and by how much, what was left out, what is refused.
+// The report of an import: what was taken over, what was changed and by how much, what was left out, what is refused.
 // Plain values. Thread: any normal one.
 #pragma once
 
@@ -31,7 +31,7 @@ struct Account {
 // Kinds that --drop accepts.
 const std::vector<std::string>& droppable_kinds();
 
-// Moves what is refused and of a kind in `kinds` to what is left out.
+// Moves refusals of these kinds to `left_out` and `dropped`.
 void drop(const std::vector<std::string>& kinds, Account& account);
 
 // "gripper.xml:12: what; accepted: ...", a line each.

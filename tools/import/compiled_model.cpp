@@ -129,7 +129,7 @@ CompiledModel model_of(const json& object) {
   return model;
 }
 
-// Every index is of something that is there. The program is ours, the answer is of another process.
+// True if every index refers to an existing element. The answer comes from another process and is not trusted.
 bool is_whole(const CompiledModel& model) {
   const auto in = [](auto index, std::size_t count) { return index >= 0 && static_cast<std::size_t>(index) < count; };
   const auto is_body = [&](int index) { return in(index, model.bodies.size()); };
@@ -188,7 +188,7 @@ Result<CompiledModel> compile_model(const std::filesystem::path& program, const 
       return model;
     }
   } catch (const json::exception&) {
-    // the same line as for a model that lacks something
+    // reported below, as for an incomplete model
   }
   return Status::error(
       fmt::format("{}: the compiler gives no model; accepted: a model that MuJoCo compiles", file.filename().string()));

@@ -21,7 +21,7 @@ struct Place {
 };
 
 struct ModelBody : Place {
-  int parent{0}, weld{0};  // weld: the first body of those that are held to each other without a joint; 0: the world
+  int parent{0}, weld{0};  // weld: first body of the group that is connected without joints; 0: the world
   bool mocap{false}, explicit_inertia{false};
   Posed pose;
   MassProperties mass;

@@ -1,4 +1,4 @@
-// Numbers as text that people read: the rounding of the computation that made them is not written out.
+// Numbers as short decimals: digits below the rounding of the computation that made them are not written.
 //
 // The rule: a number is written as 0 where its amount is below the rounding of its own computation, else as the decimal
 // of at most 12 digits that lies within that rounding, the shortest there is; where there is none, as the shortest that
@@ -11,7 +11,7 @@ namespace tactus::scene_import {
 
 // The rounding of a computation, as a share of the lengths in it. To turn and to shift a vector by a frame takes up to
 // eight roundings one after the other (rt/base/math.h); MuJoCo's chain of frames, and the way back into the frame of a
-// body, take eight of these here. Deeper chains keep their noise.
+// body, take eight of these here. The rounding of deeper chains stays visible.
 inline constexpr double kRounding = 64 * 2.220446049250313e-16;
 // The same of meshes, which MuJoCo and assimp hold in single precision: half of its last place.
 inline constexpr double kSingleRounding = 5.960464477539063e-08;

@@ -56,7 +56,7 @@ std::vector<std::vector<std::size_t>> children_of(const json& nodes) {
 
 bool nodes_are_deep(const json& nodes) {
   const auto children = children_of(nodes);
-  std::vector<char> here(children.size(), 1);  // those that are the child of a child ... of some node
+  std::vector<char> here(children.size(), 1);  // 1: the node has at least `depth` ancestors
   for (unsigned depth = 0; depth <= kMaxNodeDepth; ++depth) {
     std::vector<char> below(children.size(), 0);
     bool any = false;

@@ -131,7 +131,7 @@ Result<HullPoints> thinned(std::span<const Vec3d> points) {
       most = height;
       farthest = &p;
     }
-    // A point that was added and made no vertex, within rounding of one, ends it.
+    // Stops if the point that was added last made no vertex: it is within rounding of one.
     if (farthest != nullptr && farthest != added && built.value().hull.topology.vertices < physics::kMaxHullVertices) {
       added = farthest;
       kept = built.value().vertices;

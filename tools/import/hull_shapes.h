@@ -1,4 +1,4 @@
-// Convex hulls of at most 64 vertices for what is no hull, with the largest deviation between the two surfaces.
+// Convex hulls of at most 64 vertices that replace other shapes, with the largest deviation between the two surfaces.
 //
 // Units: m. Frame: the shape's own. Thread: any normal one. Bound: points x kMaxHullVertices x faces. Errors: one line,
 // of a solid that is too thin.
@@ -28,7 +28,7 @@ Result<HullPoints> hull_of(std::span<const Vec3d> points);
 // The surface of the points' hull, as triangles.
 Result<sim::TriangleSoup> surface_of(std::span<const Vec3d> points);
 
-// The largest distance of a point to the first one: half of the diameter to the diameter.
+// The largest distance of a point to the first one: between half the diameter of the set and the diameter.
 double extent_of(std::span<const Vec3d> points);
 
 // The distance of a point to the nearest of the triangles.

@@ -41,7 +41,7 @@ std::optional<ImportError> read_model(const ImportOptions& options, Imported& im
     if (draft.title.empty()) draft.title = options.file.stem().string();
     return {};
   }
-  // Elements that are refused anyway may be why it does not compile: both are said.
+  // Refused elements may be the reason why the model does not compile: reports both.
   if (imported.account.refused.empty()) return ImportError{model.message()};
   const bool lacks_files = std::ranges::count(imported.account.refused, "files", &Refusal::kind) > 0;
   if (lacks_files && model.message().find("Error opening file") != std::string::npos) return {};
@@ -85,7 +85,7 @@ std::optional<ImportError> choose_proxy(const ImportOptions& options, SceneDraft
                                  options.proxy, names.empty() ? "nothing else" : names)};
 }
 
-// Of a model with elements that are refused: what the loader refuses of the others.
+// For a model with refused elements: adds what the loader refuses of the other elements.
 std::optional<ImportError> refuse_more(const SceneDraft& draft, const std::string& name, Account& account) {
   if (draft.bodies.empty()) return {};
   Account of_draft;

@@ -1,7 +1,7 @@
 // A scene from a file of another program: MJCF, URDF (MuJoCo's compiler, in Node), glTF, OBJ, STL (assimp).
 //
-// Thread: the only one of the program. Bound: those of the readers. Errors: one line that needs no account; all else
-// that is refused is in the account, and no scene is made.
+// Thread: the only one of the program. Bound: those of the readers. Errors: one line, without an
+// account; all else that is refused is in the account, and no scene is made.
 #pragma once
 
 #include "tools/import/limited_process.h"
@@ -11,7 +11,7 @@ namespace tactus::scene_import {
 
 struct ImportOptions {
   std::filesystem::path file, compiler;  // compiler: compile.mjs as installed
-  std::string stem;                      // what shape files' names begin with
+  std::string stem;                      // prefix of the names of shape files
   std::vector<std::string> drop;
   std::string proxy;  // a body's name, or a radius in m; empty: a sphere of 1 cm
   std::optional<Vec3d> proxy_position;

@@ -38,7 +38,7 @@ bool write_all(int out, const std::string& text) {
   return true;
 }
 
-// Its bound on addresses: the address sanitizer reserves terabytes of them.
+// Limits the address space, except under the address sanitizer, which reserves terabytes.
 void limit_addresses([[maybe_unused]] std::size_t bytes) {
 #if !TACTUS_ADDRESS_SANITIZER
   const rlimit space{bytes, bytes};
@@ -46,7 +46,7 @@ void limit_addresses([[maybe_unused]] std::size_t bytes) {
 #endif
 }
 
-// In the new process: its limits, none of the handlers of the program that it came from, and no output but the answer.
+// Called in the new process: sets its limits, resets signal handlers and closes the standard streams.
 void confine(const Limits& limits) {
   const rlimit cpu{limits.cpu_s, limits.cpu_s}, core{0, 0};
   (void)::setrlimit(RLIMIT_CPU, &cpu);

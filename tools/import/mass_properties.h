@@ -34,10 +34,10 @@ MassProperties in_world(const MassProperties& own, const Posed& world_from_frame
 
 MassProperties operator+(const MassProperties& a, const MassProperties& b);
 
-// Of a solid of 1 kg/m^3 whose surface are the triangles, exactly; its volume is the mass. At the frame's corners.
+// Exact properties of a solid of 1 kg/m^3 with this surface: its mass is its volume. Frame: that of the corners.
 MassProperties solid_of(const sim::TriangleSoup& soup);
 
-// Is it that of a rigid body: mass and moments above 0, none larger than the sum of the other two?
+// True for properties that a rigid body can have: mass and moments above 0, no moment above the sum of the other two.
 bool is_a_body(const MassProperties& properties);
 
 }  // namespace tactus::scene_import

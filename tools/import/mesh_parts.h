@@ -14,8 +14,8 @@ struct PieceOptions {
   double deviation_m{0.001};  // largest that is accepted
 };
 
-// `like`: what every part has, its pose above all. `label`: of the mesh, in the account. `at`: where a refusal points;
-// its text is replaced. None where it is refused.
+// `like`: pose and other fields that every part gets. `label`: name of the mesh in the account. `at`: the place that a
+// refusal names; its text is replaced. Returns no part if the mesh is refused.
 std::vector<DraftPart> mesh_parts(const sim::TriangleSoup& soup, const PieceOptions& options, const DraftPart& like,
                                   const std::string& label, Refusal at, Account& account);
 

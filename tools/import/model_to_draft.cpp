@@ -199,8 +199,8 @@ class Translator {
 
   // --- bodies
 
-  // What never moves: the convex shapes of one body that have the same friction are one compound. Those of the world
-  // itself are no body of the model, and stay bodies of their own.
+  // Adds the shapes that never move. The convex shapes of one body with equal friction become one compound; each shape
+  // of the world itself becomes a body of its own.
   void add_fixed() {
     std::vector<std::vector<std::size_t>> together;
     for (const std::size_t g : touching_[0]) {
@@ -326,7 +326,8 @@ class Translator {
     return otherwise;
   }
 
-  // The bodies that two groups are; the world, group 0, can be the first alone. False where one was refused.
+  // Sets the two bodies of the joint from their groups. Only the first may be the world, group 0. False if one was
+  // refused.
   bool set_ends(int a, int b, DraftJoint& joint) const {
     const auto first = groups_.find(a), second = groups_.find(b);
     if ((a != 0 && first == groups_.end()) || second == groups_.end()) return false;
@@ -428,7 +429,7 @@ class Translator {
   Account& account_;
   SceneDraft draft_;
   std::map<int, std::vector<std::size_t>> touching_;  // by group
-  std::map<int, std::size_t> groups_;                 // indices of the bodies that they are
+  std::map<int, std::size_t> groups_;                 // index of the body of each group
   std::map<std::string, unsigned> joints_;
   unsigned visual_{0};
 };

@@ -50,7 +50,7 @@ Result<double> hull_gap(const sim::TriangleSoup& soup, const HullPoints& hull) {
 namespace {
 
 constexpr Limits kHacdLimits{.wall_s = 240, .cpu_s = 120};
-constexpr std::size_t kFinestTriangles = 600;  // that are still divided
+constexpr std::size_t kFinestTriangles = 600;  // more triangles are not subdivided further
 
 // Points spread over a surface, by area, and lifted off it to the outside; the same for the same surface.
 std::vector<Vec3d> points_on(const sim::TriangleSoup& soup, double lift_m) {
@@ -96,7 +96,7 @@ double deviation_of(const sim::TriangleSoup& mesh, const std::vector<sim::Triang
   }
   const double tolerance = 1e-6 * extent_of(mesh.corners);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
-    // Lifted: where two pieces meet face to face, a point of one is then inside of the other.
+    // Points are lifted off the surface, so that where two pieces meet face to face a point of one is inside the other.
     const auto points = points_on(pieces[i], 10 * tolerance);
     for (std::size_t k = 0; k < points.size(); k += pieces.size()) {  // kSurfacePoints of all pieces
       bool covered = false;  // inside of another piece: no part of the union's surface
@@ -126,7 +126,7 @@ std::string clusters_of(const sim::TriangleSoup& soup, double share) {
   hacd.SetNClusters(1);
   hacd.SetNVerticesPerCH(physics::kMaxHullVertices);
   hacd.SetConcavity(1000 * share);  // it scales the mesh to a size of 1000
-  // Without these points the hollow of few large triangles is not seen: an L of 20 triangles stays whole.
+  // Without these points HACD misses a concavity between few large triangles: an L of 20 triangles stays one piece.
   hacd.SetAddExtraDistPoints(true);
   hacd.SetAddNeighboursDistPoints(true);
   hacd.SetAddFacesPoints(true);
@@ -157,7 +157,7 @@ std::vector<std::vector<Vec3d>> read_clusters(const std::string& text) {
 
 namespace {
 
-// Each triangle in four: HACD's clusters are made of triangles, and of small ones it makes others.
+// Divides each triangle into four. HACD clusters triangles, and finer triangles give other clusters.
 sim::TriangleSoup finer(const sim::TriangleSoup& soup) {
   sim::TriangleSoup out{soup.corners, {}};
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
@@ -174,7 +174,8 @@ sim::TriangleSoup finer(const sim::TriangleSoup& soup) {
   return out;
 }
 
-// One division: of `divided`, whose surface is the mesh's; hollow by at most `share` of its size.
+// One run of HACD on `divided`, which has the surface of `mesh`. `share`: largest concavity of a piece, as a share of
+// the mesh's size.
 Result<Pieces> divide(const sim::TriangleSoup& mesh, const sim::TriangleSoup& divided, unsigned most, double share) {
   const auto text = run_apart([&] { return clusters_of(divided, share); }, kHacdLimits);
   if (!text.ok()) return Status::error("HACD: the mesh " + text.message());
@@ -205,8 +206,8 @@ Result<Pieces> decompose(const sim::TriangleSoup& soup, unsigned most, double de
   std::string problem;
   double best = std::numeric_limits<double>::infinity();
   std::size_t best_count = 0;
-  // What HACD makes depends much on the triangles and on the limit that it is given: the first that is near enough is
-  // taken. Its time grows with more than the square of the triangles.
+  // HACD's result depends strongly on the triangles and on the limit: tries several and takes the first that is near
+  // enough. Its time grows faster than the square of the number of triangles.
   sim::TriangleSoup divided = soup;
   do {
     for (const double part : {1.0, 0.3, 3.0, 0.1}) {

@@ -12,7 +12,7 @@
 namespace tactus::scene_import {
 namespace {
 
-// Custom properties that count.
+// The custom properties that an import uses.
 struct Property {
   std::string_view name;
   double least;
@@ -56,7 +56,7 @@ class NodeTranslator {
     return false;
   }
 
-  // Those that are not known belong to other programs: the account lists them. False where one is refused.
+  // Lists unknown properties in the account: they belong to other programs. False if a known one is refused.
   bool check_properties(ShapeNode& node) {
     std::vector<std::string> bad;
     std::string others;
@@ -77,7 +77,7 @@ class NodeTranslator {
                        .accepted = known->accepted});
       bad.push_back(key);
     }
-    for (const std::string& key : bad) node.extra.erase(key);  // what else is wrong is judged without them
+    for (const std::string& key : bad) node.extra.erase(key);  // the other checks go on without them
     if (!others.empty())
       account_.left_out.push_back(fmt::format("custom properties of node \"{}\": {}", node.name, others));
     return bad.empty();

@@ -17,8 +17,8 @@ inline constexpr std::size_t kMaxFileBytes = 64u << 20;  // of each file
 
 struct ShapeOptions {
   double unit_m{1};                // the length that the file calls 1
-  double density_kg_per_m3{1000};  // of bodies that say nothing
-  bool fixed{false};               // bodies that say nothing never move
+  double density_kg_per_m3{1000};  // of bodies without such a property
+  bool fixed{false};               // true: bodies without such a property never move
   double friction{0.5};
 };
 

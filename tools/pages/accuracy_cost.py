@@ -152,8 +152,8 @@ def front_figure(scenes, data, page):
             whiskers(panel, s.default, x, y, theme.SERIES[1])
             panel.axis.plot(*[[v] for v in at(s.default)], ls="none", marker="*", ms=10, mfc="none", mec=theme.SERIES[1], mew=1.3,
                             gid="series the default")
-        marks = [(*at(p), 2.5) for p in rest] + ([(*at(s.default), 6)] if s.default else [])
-        left = label_points(panel.axis, [(*at(p), s.names[id(p)]) for p in s.front], marks=marks)
+        marks = [(*at(p), 4 if p in off else 2) for p in rest] + ([(*at(s.default), 6)] if s.default else [])
+        left = label_points(panel.axis, [(*at(p), s.names[id(p)]) for p in s.front], own=3, marks=marks)
         panel.note("; ".join(f"<b>{s.names[id(p)]}</b> " + html.escape(setting_words(p, s.default) if s.default else
                                                                      setting_words(p)) for p in s.front) or "No front.")
         if left:

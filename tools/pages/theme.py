@@ -29,7 +29,8 @@ plt.rcParams.update({
     "axes.labelcolor": INK, "axes.titlecolor": INK, "xtick.color": INK, "ytick.color": INK, "xtick.labelsize": 8,
     "ytick.labelsize": 8, "axes.labelsize": 8, "axes.titlesize": 9, "axes.titlelocation": "left", "axes.facecolor": "none",
     "figure.facecolor": "none", "savefig.facecolor": "none", "axes.grid": True, "grid.color": GRID, "axes.axisbelow": True,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.unicode_minus": True, "lines.linewidth": 1.2})
+    "axes.spines.top": False, "axes.spines.right": False, "axes.unicode_minus": True, "lines.linewidth": 1.2,
+    "figure.dpi": 72})  # SVG's: a pixel of the figure is a point
 
 
 def style(i):

@@ -71,7 +71,7 @@ def whole_runs(rows, page):
                                                           "1 µm aside; 2 × sub-steps: a direct run of as many", "t"),
                 Column("border", "how members feel the outside", "t"), Column("ratio", "haptic ticks per global step"),
                 Column("members", "cap of the sub-world"), Column("hand", "closed: its arm in the loop of the run; direct: the "
-                                                                  "arm's motion of the direct run", "t"),
+                                                                  "arm's motion of the direct run; none: no device", "t"),
                 Column("force error", "over the whole run"), Column("by quarter", "of the run, each over the whole run's force, in %"),
                 Column("off at end", "the farthest body from where the direct run has it, mm"), Column("off at most", "the same at any synchronisation, mm"),
                 Column("drift", "off at end, less the same at three quarters, mm"), Column("kinetic / work", "kinetic energy over the hand's work and the potential energy that was released"),

@@ -46,7 +46,7 @@ struct Header {
 };
 static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 192);
 
-// What the run says of itself, as one JSON object: its verdict, and its fault's tape.
+// State of the run as one JSON object: verdict, path of the fault's tape.
 struct StateSlot {
   std::uint64_t sequence{0};  // 2 n + 1 while text n is written, 2 n + 2 when it is complete; 0: none yet
   std::uint64_t bytes{0};

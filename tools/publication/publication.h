@@ -26,13 +26,13 @@ inline constexpr double kMaxFrames_Hz = 60;
 
 class Publication {
  public:
-  // `text`: of a tape's header.
+  // `text`: the text of a tape's header.
   static Result<std::unique_ptr<Publication>> create(const sim::Scene& scene, double period_s, const std::string& text);
   ~Publication();
   Publication(const Publication&) = delete;
   Publication& operator=(const Publication&) = delete;
 
-  // For a watcher: the memory, open for reading alone. Stays this object's.
+  // For a watcher: the memory, open for reading only. This object keeps the descriptor.
   int descriptor() const noexcept { return read_only_; }
   // Number of watchers; the server that passes the descriptor on counts them.
   std::atomic<std::uint32_t>& watchers() noexcept { return watchers_; }
@@ -43,7 +43,7 @@ class Publication {
   // For the global world's thread; `self` is the publication.
   static void stepped(void* self, const sim::GlobalWorld& world) noexcept;
 
-  // What the run says of itself (StateSlot), by the thread that attends it. A text that does not fit is left out, and
+  // The state of the run (StateSlot); by the thread that watches the run. A text that does not fit is left out, and
   // the one before stays.
   void say(std::string_view state) noexcept;
 
@@ -69,11 +69,12 @@ class Publication {
   Header header_;
   std::atomic<std::uint32_t> watchers_{0};
   std::uint64_t frames_{0}, ticks_{0}, states_{0};
-  std::optional<TickEntry> pending_;  // written when its times have come, or the next tick
+  // A tick whose stage times have not arrived; written with them, or when the next tick arrives.
+  std::optional<TickEntry> pending_;
   std::int64_t next_frame_ns_{0};
   BodyId proxy_{kNoBody};
   std::vector<std::uint32_t> place_of_;  // by body id: its place among the moving bodies
-  // The frame in the making; capacities are reserved.
+  // The frame that is being packed; capacities are reserved.
   FrameHead head_;
   std::vector<Position> positions_;
   std::vector<Rotation> rotations_;

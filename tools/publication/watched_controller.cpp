@@ -30,7 +30,8 @@ WatchedController::~WatchedController() { close(connection_); }
 
 bool WatchedController::ended() const {
   char byte = 0;
-  const bool left = recv(connection_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;  // as when it was killed
+  // The controller's end of the connection closes even if the controller is killed.
+  const bool left = recv(connection_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
   return left || watcher_->ended();
 }
 

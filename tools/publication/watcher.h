@@ -18,7 +18,7 @@ namespace tactus::publication {
 struct Frame {
   std::uint64_t number{0};
   FrameHead head;
-  std::vector<Position> positions;  // by the order of the moving bodies' ids, as the two below
+  std::vector<Position> positions;  // in the order of the moving bodies' ids; rotations and roles too
   std::vector<Rotation> rotations;
   std::vector<std::uint8_t> roles;  // RoleBit
   std::vector<ContactForce> contacts;
@@ -26,7 +26,7 @@ struct Frame {
 
 class Watcher {
  public:
-  // Takes the descriptor over. Error, one line: no such memory, not sealed, or another version's.
+  // Takes over the descriptor. Error, one line: no such memory, not sealed, or of another version.
   static Result<std::unique_ptr<Watcher>> open(int descriptor);
   ~Watcher();
   Watcher(const Watcher&) = delete;
@@ -43,7 +43,7 @@ class Watcher {
   // The first call begins at the newest tick.
   std::uint64_t read_ticks(std::vector<TickEntry>& ticks, std::size_t most);
 
-  // What the run says of itself (StateSlot), if it is new. False: it is not, or the writer overtook the copy.
+  // The state of the run (StateSlot), if it is new. False: it is not, or the writer overtook the copy.
   bool read_state(std::string& state);
 
   std::uint64_t frames_missed() const noexcept { return frames_missed_; }  // written and not read

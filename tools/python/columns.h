@@ -12,12 +12,12 @@
 namespace tactus::python {
 
 std::vector<std::string> column_names();
-// KeyError: there is none.
+// Raises KeyError for an unknown name.
 const exporting::Column& column_named(const std::string& name);
 // Unit, frame, group, meaning.
 pybind11::dict about(const exporting::Column& column);
-// (rows,), read-only, without a copy of the rows, which `owner` keeps; but the times, which no row has. `period_s`: of
-// a tick.
+// Shape (rows,), read-only: a view of the rows, which `owner` keeps alive. A column of times is a copy, since no row
+// contains it. `period_s`: of a tick.
 pybind11::array column_of(std::span<const exporting::Row> rows, const exporting::Column& column, double period_s,
                           const pybind11::handle& owner);
 

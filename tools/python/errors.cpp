@@ -13,7 +13,7 @@ namespace {
 
 struct Exception {
   const char* name;
-  PyObject** base;  // of Python, beside tactus.Error
+  PyObject** base;  // second base class, of Python
   const char* meaning;
   PyObject* type;
 };
@@ -43,7 +43,7 @@ void add_errors(py::module_& module) {
 
 void raise(Error::Kind kind, const std::string& message) {
   const auto index = static_cast<std::size_t>(kind) - static_cast<std::size_t>(Error::Kind::kFile);
-  // What is no UTF-8, such as a file's name, is shown as \xNN.
+  // Bytes that are not UTF-8, as in a file's name, are shown as \xNN.
   PyObject* const text =
       PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace");
   if (text == nullptr) throw py::error_already_set();

@@ -22,7 +22,7 @@ struct HandPose {
   Quaternion rotation{1, 0, 0, 0};
 };
 
-// What a hand pushes the tool with, in place of leading it to a pose; about the tool's origin, world axes.
+// The wrench with which a hand pushes the tool, instead of a target pose; about the tool's origin, world axes.
 struct HandPush {
   Vector3 force_N{};
   Vector3 torque_Nm{};
@@ -31,14 +31,14 @@ using HandWish = std::variant<HandPose, HandPush>;
 
 // What the owner receives when it is called for a tick.
 struct HandAsked {
-  std::uint64_t tick{0};  // whose sample the target leads to
-  HandPose tool;          // as the encoders have it
-  Vector3 force_N{};      // on the hand, as the motors give it now
+  std::uint64_t tick{0};  // the target is for this tick's sample
+  HandPose tool;          // as the encoders measure it
+  Vector3 force_N{};      // on the hand: what the motors apply now
   Vector3 torque_Nm{};    // same, about the tool's origin
 };
 
-// Sets `wish` to the target pose at the end of the coming period, or to the wrench that the hand applies until then;
-// false: as before.
+// Sets `wish` to the target pose at the end of the coming period, or to the wrench that the hand applies until then.
+// False: the wish of the tick before continues.
 using AskHand = std::function<bool(const HandAsked& asked, HandWish& wish)>;
 
 class HandDevice final : public Device {

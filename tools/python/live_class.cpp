@@ -28,7 +28,7 @@ auto without_gil(Call&& call) {
   return call();
 }
 
-// Keeps what a view is of.
+// Owns the value that a view refers to.
 template <class T>
 py::capsule keeper_of(std::unique_ptr<T> value) {
   return py::capsule(value.release(), [](void* kept) { delete static_cast<T*>(kept); });

@@ -38,7 +38,7 @@ void set_inject(Options& options, const py::handle& value) {
   options.more_injects.assign(std::make_move_iterator(injects.begin() + 1), std::make_move_iterator(injects.end()));
 }
 
-// What a session in virtual time has a use for.
+// The options that apply to a session in virtual time.
 constexpr Entry kEntries[] = {
     {"coupling", "text", &set<&Options::coupling>},
     {"border", "text", &set<&Options::border>},

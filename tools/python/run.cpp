@@ -136,7 +136,7 @@ const std::string& inject_of(const Options& options, unsigned hand) {
 }  // namespace
 
 Run::Run(const Scene& scene, const py::object& hand, const Options& options) : hands_(std::max(1u, scene.hands())) {
-  if (!(options.rate_Hz > 0)) raise_if(session_.open(scene, options));  // the library says what is accepted
+  if (!(options.rate_Hz > 0)) raise_if(session_.open(scene, options));  // the library's error names the accepted range
   const auto leaders = leaders_of(hand, static_cast<unsigned>(hands_.size()));
   std::vector<Device*> devices;
   for (unsigned i = 0; i < leaders.size(); ++i) {
@@ -256,7 +256,7 @@ bool Run::ask_function(const Hand& hand, const HandAsked& asked, HandWish& wish)
   return true;
 }
 
-// In Python it comes out as it went in.
+// Rethrows the exception of a hand's function: Python gets the same exception object.
 void Run::end_with_error_of_hand() {
   const std::exception_ptr error = std::exchange(error_of_hand_, nullptr);
   std::rethrow_exception(error);

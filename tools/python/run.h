@@ -62,12 +62,12 @@ class Run {
   // Of one hand, which must be there: the ticks since the last look.
   std::vector<Tick> look(unsigned hand);
   std::uint64_t ticks_lost(unsigned hand) const noexcept { return hands_[hand].lost_of_look; }
-  // Its views show NaN from now on, roles 255 and members 4294967295: the scene was replaced.
+  // Fills its views with NaN, role 255 and member 4294967295: the scene was replaced.
   void leave_views();
 
   Session& session() noexcept { return session_; }
   const Session& session() const noexcept { return session_; }
-  // Said before a view of the bodies is given away: from then on each step refreshes it.
+  // Call before Python gets a view of the bodies: from then on each step refreshes it.
   void show_bodies() noexcept { shown_ = true; }
 
  private:

@@ -70,7 +70,7 @@ class SessionObject : public ZeroedByPython {
 
   unsigned hands() const { return run().session().hands(); }
 
-  // Each of these is of one hand, which must be there.
+  // Each of these applies to one hand. Precondition: the hand exists.
   void request(const py::object& asked, unsigned hand) {
     static const std::pair<std::string_view, Request> kRequests[] = {{"arm", Request::kArm},
                                                                      {"rearm", Request::kRearm},
@@ -176,13 +176,13 @@ class HandObject : public ZeroedByPython {
   unsigned number_;
 };
 
-// Whose part of the session an object is: of the session itself the first hand's.
+// The session and the hand of an object. The session itself stands for its first hand.
 SessionObject& session_of(SessionObject& session) { return session; }
 SessionObject& session_of(const HandObject& hand) { return hand.session(); }
 unsigned hand_of(const SessionObject&) { return 0; }
 unsigned hand_of(const HandObject& hand) { return hand.number(); }
 
-// What is of one hand, for a class whose objects have one.
+// Adds the members that concern one hand to a class whose objects have a hand.
 template <class Object>
 void add_of_hand(py::class_<Object>& object) {
   const auto of = [](auto method) {

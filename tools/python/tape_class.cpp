@@ -20,7 +20,7 @@ using exporting::Row;
 
 struct Gap {
   std::uint64_t after_tick{0};  // the last tick before it
-  std::uint64_t ticks{0};       // missing there, by the numbers of the ticks
+  std::uint64_t ticks{0};       // number of missing ticks
 };
 
 class TapeObject : public ZeroedByPython {
@@ -63,7 +63,7 @@ class TapeObject : public ZeroedByPython {
     return py::array_t<std::uint64_t>(static_cast<py::ssize_t>(ticks.size()), ticks.data());
   }
 
-  // A fault counts where it latches.
+  // One entry per fault, at the tick in which it latches.
   py::list faults() const {
     py::list faults;
     Fault before = Fault::kNone;

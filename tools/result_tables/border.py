@@ -15,9 +15,17 @@ def rows_of(done, key="rows"):
     return [row for one in done for row in one.data[key]]
 
 
+def force_off(row):
+    return percent(row["force_error_rms"]) + ("" if row["stable"] else ", unstable")
+
+
+def too_much(row):
+    return percent(row["gain"]) + ("*" if "spring" in row["energy_basis"] else "")
+
+
 # --- windows, of each scene by each border
 
-WINDOWS = "experiment energy-loss --seeds 2 --ratios 8"
+WINDOWS = "experiment energy-loss --seeds 2 --ratios 8,16"
 WINDOW_SCENES = ("stack", "card-house", "pile", "press", "peg", "chain", "wall")
 
 
@@ -26,13 +34,13 @@ def window_parts(_base):
 
 
 def windows(done):
-    head = ["scene", *(f"force off: `{b}`" for b in BORDERS), *(f"energy too much: `{b}`" for b in BORDERS)]
+    head = ["scene", *(f"force off: `{b}`" for b in BORDERS), *(f"energy too much: `{b}`" for b in BORDERS),
+            "force off at 16: `ghost`", "energy too much at 16: `ghost`"]
     rows = []
     for scene in dict.fromkeys(r["scene"] for r in rows_of(done)):
-        by_border = {r["border"]: r for r in rows_of(done) if r["scene"] == scene}
-        off = [percent(by_border[b]["force_error_rms"]) + ("" if by_border[b]["stable"] else ", unstable") for b in BORDERS]
-        gain = [percent(by_border[b]["gain"]) + ("*" if "spring" in by_border[b]["energy_basis"] else "") for b in BORDERS]
-        rows.append([scene, *off, *gain])
+        at = {(r["ratio"], r["border"]): r for r in rows_of(done) if r["scene"] == scene}
+        rows.append([scene, *(force_off(at[8, b]) for b in BORDERS), *(too_much(at[8, b]) for b in BORDERS),
+                     force_off(at[16, "ghost"]), too_much(at[16, "ghost"])])
     return markdown(head, rows)
 
 
@@ -56,11 +64,31 @@ def members(done):
     return markdown(["members of the pile's sub-world", *caps], rows)
 
 
+# --- the coupling schemes beside each other
+
+COUPLINGS = "experiment couplings --seeds 2 --ratios 8,16 --borders ghost"
+COUPLING_RATIOS = (8, 16)
+
+
+def coupling_parts(_base):
+    return [tactus(scene, f"{COUPLINGS} --scenes {scene}", 2) for scene in WINDOW_SCENES]
+
+
+def couplings(done):
+    schemes = [name for name in dict.fromkeys(r["coupling"] for r in rows_of(done)) if name != "direct"]
+    rows = []
+    for scene in dict.fromkeys(r["scene"] for r in rows_of(done)):
+        at = {(r["coupling"], r["ratio"]): r for r in rows_of(done) if r["scene"] == scene}
+        rows.append([scene, *(" / ".join(force_off(at[scheme, ratio]) if (scheme, ratio) in at else "-" for ratio in COUPLING_RATIOS)
+                              for scheme in schemes)])
+    return markdown(["scene", *(f"`{scheme}`" for scheme in schemes)], rows)
+
+
 # --- whole runs
 
 WHOLE = "experiment energy-loss --quick --seeds 0 --whole {seconds} --scene {scene} --members {members} --ratios {ratios} --borders ghost"
 WHOLE_RATIOS = (2, 4, 8, 10, 16)
-SECONDS = {"plate_on_balls": 10, "crib": 10, "press": 5, "pile250": 20}  # else 30
+SECONDS = 30
 NO_DIRECT_RUN = ("pile700", "pile5000", "heaps50k")  # direct coupling takes hours for them
 HEAVY = ("press", "pile250", "wall", "tower", "crib", "plate_on_balls")
 
@@ -76,21 +104,21 @@ def three_caps(file):
     return list(dict.fromkeys(max(2, whole // share) for share in (1, 2, 4)))
 
 
-def whole_parts(_base):
+def whole_parts(_base, ratios=WHOLE_RATIOS, others=""):
     parts = []
     for file in scene_files():
-        caps, seconds = three_caps(file), SECONDS.get(file.stem, 30)
-        command = WHOLE.format(seconds=seconds, scene=file.relative_to(ROOT), members=",".join(map(str, caps)),
-                               ratios=",".join(map(str, WHOLE_RATIOS)))
-        parts.append(tactus(file.stem, command, (0.025 if file.stem in HEAVY else 0.005) * seconds * len(caps)))
+        caps = three_caps(file)
+        command = WHOLE.format(seconds=SECONDS, scene=file.relative_to(ROOT), members=",".join(map(str, caps)),
+                               ratios=",".join(map(str, ratios))) + others
+        parts.append(tactus(file.stem, command, (0.005 if file.stem in HEAVY else 0.001) * SECONDS * len(caps) * len(ratios)))
     return parts
 
 
-def coupled_runs(done):
-    """The sub-world's runs with the hand in the loop, by scene and cap: {ratio: row}."""
+def coupled_runs(done, hand="closed"):
+    """The sub-world's runs with that hand, by scene and cap: {ratio: row}."""
     found = {}
     for row in rows_of(done, "whole"):
-        if row["coupling"] == "sub-world" and row["hand"] == "closed":
+        if row["coupling"] == "sub-world" and row["hand"] == hand:
             found.setdefault((row["scene"], row["members"]), {})[row["ratio"]] = row
     return found
 
@@ -105,15 +133,16 @@ def uncertainty(done):
 
 
 def whole_cells(runs):
-    """What one cap did, from the duration to who stands. Ratios that the scene refuses are '-'."""
+    """What one cap did, from the force to who stands. Ratios that the scene refuses are '-'."""
     given = [runs.get(ratio) for ratio in WHOLE_RATIOS]
     felt = any(r and r["force_rms_N"] for r in given)
     force = ", ".join(digits(100 * r["force_error"]) if r else "-" for r in given) if felt else "no force"
     off = ", ".join(f"{1e3 * r['pose_off_m']:.2f}" if r else "-" for r in given)
     shares = [r["pose_off_share_of_size"] for r in given if r and r["pose_off_share_of_size"] is not None]
     fallen = [str(ratio) for ratio, r in zip(WHOLE_RATIOS, given) if r and not r["stands"]]
-    seconds = next(r["seconds"] for r in given if r)
-    return (f"{seconds:g}", force, off, f"{100 * max(shares):.1f} %" if shares else "-",
+    gain = max((r["energy_gain_J"] - r["direct_energy_gain_J"]) / r["energy_at_play_J"] for r in given if r)
+    spent = max(r["border_spent_share"] for r in given if r)
+    return (force, off, f"{100 * max(shares):.1f} %" if shares else "-", f"{100 * max(0.0, gain):.2f}", f"{100 * spent:.1f}",
             "NO at " + ", ".join(fallen) if fallen else "yes")
 
 
@@ -122,10 +151,36 @@ def whole(done):
     by_cells, direct = {}, uncertainty(done)
     for (scene, cap), runs in coupled_runs(done).items():
         by_cells.setdefault((scene, whole_cells(runs)), []).append(cap)
-    rows = [[f"{scene}, {' or '.join(map(str, sorted(caps, reverse=True)))}", seconds, force,
+    rows = [[f"{scene}, {' or '.join(map(str, sorted(caps, reverse=True)))}", force,
              "-" if force == "no force" or scene not in direct else digits(100 * direct[scene]), *others]
-            for (scene, (seconds, force, *others)), caps in by_cells.items()]
-    return markdown(["scene, members", "s", "force, %", "of direct itself, %", "off, mm", "of its size", "stands"], rows)
+            for (scene, (force, *others)), caps in by_cells.items()]
+    return markdown(["scene, members", "force, %", "of direct itself, %", "off, mm", "of its size", "energy too much, %",
+                     "tank empty, %", "stands"], rows)
+
+
+# --- whole runs without a hand
+
+ALONE = " --hands none"
+ALONE_RATIOS = (8, 16)
+
+
+def alone(done):
+    """Caps with the same cells are one row."""
+    by_cells = {}
+    for (scene, cap), runs in coupled_runs(done, "none").items():
+        given = list(runs.values())
+        if not given[0]["energy_at_play_J"]:  # weightless
+            continue
+        at_play_J = given[0]["energy_at_play_J"]
+        share = lambda runs, key: ", ".join(f"{100 * r[key] / at_play_J:.3f}" for r in runs)
+        fallen = [str(r["ratio"]) for r in given if not r["stands"]]
+        cells = (f"{at_play_J:.3g}", share(given, "energy_unexplained_J"), share(given[:1], "direct_energy_unexplained_J"),
+                 share(given, "energy_rise_J"), share(given[:1], "direct_energy_rise_J"), "NO at " + ", ".join(fallen) if fallen else "yes")
+        by_cells.setdefault((scene, cells), []).append(cap)
+    ratios = ", ".join(map(str, ALONE_RATIOS))
+    return markdown(["scene, members", "energy at play, J", f"unexplained at ratio {ratios}, %", "of direct, %", "rises, %",
+                     "of direct, %", "stands"],
+                    [[f"{scene}, {' or '.join(map(str, sorted(caps, reverse=True)))}", *cells] for (scene, cells), caps in by_cells.items()])
 
 
 # --- the scenes of tests/border
@@ -193,8 +248,11 @@ def random_worlds(done):
 TABLES = {
     "windows": Table(f"`tactus {WINDOWS}`, scene by scene", "2 min", window_parts, windows),
     "members": Table(f"`tactus {MEMBERS} --members {','.join(map(str, CAPS))}`, cap by cap", "10 min", member_parts, members),
-    "whole": Table(f"`tactus {WHOLE.format(seconds='SECONDS', scene='FILE', members='DEFAULT,HALF,QUARTER', ratios='2,4,8,10,16')}`, "
+    "couplings": Table(f"`tactus {COUPLINGS}`, scene by scene", "15 min", coupling_parts, couplings),
+    "whole": Table(f"`tactus {WHOLE.format(seconds=SECONDS, scene='FILE', members='DEFAULT,HALF,QUARTER', ratios='2,4,8,10,16')}`, "
                    "scene by scene", "30 min", whole_parts, whole),
+    "alone": Table(f"`tactus {WHOLE.format(seconds=SECONDS, scene='FILE', members='DEFAULT,HALF,QUARTER', ratios='8,16')}{ALONE}`, "
+                   "scene by scene", "12 min", lambda base: whole_parts(base, ALONE_RATIOS, ALONE), alone),
     "border-scenes": Table(f"`tactus {BORDER.format(scene='SCENE', members='MEMBERS')}`, scene by scene", "10 min", border_parts,
                            border_scenes),
     "random-worlds": Table(f"`tactus {RANDOM.format(worlds=WORLDS, first=0)}`, {AT_A_TIME} worlds at a time",

@@ -17,7 +17,7 @@ struct Taken {
   std::vector<std::string> what;
 };
 
-// Nothing for a simulated device, and for one that is none.
+// Returns what the device occupies; empty for a simulated device and an unknown name.
 std::optional<Taken> taken_by(const NamedDevice& named, const std::string& profile_name) {
   const auto choice = hal::choose_device(named.device);
   if (!choice.ok() || choice.value().device_class->takes == nullptr) return std::nullopt;
@@ -27,7 +27,7 @@ std::optional<Taken> taken_by(const NamedDevice& named, const std::string& profi
   return Taken{by, by->takes(choice.value().address, description)};
 }
 
-// An empty one is any of its class.
+// Returns the shared resource. An empty name matches every device of the class.
 std::optional<std::string> common(const Taken& a, const Taken& b) {
   if (a.by != b.by) return std::nullopt;
   for (const std::string& one : a.what)

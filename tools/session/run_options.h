@@ -56,7 +56,7 @@ struct RunOptions {
   double duration_s{0};       // 0: until stopped; required in virtual time
   int cpu{-1};                // -1: the last core that this process may use
   unsigned world_threads{1};  // of the global world
-  physics::SweepPrecision world_precision{physics::SweepPrecision::kSingle};
+  physics::SweepPrecision world_precision{physics::SweepPrecision::kSingle};  // of large worlds: sim::sweep_precision
   std::vector<int> world_cpus;  // one core per thread of world_threads; empty: any
   int priority{80};             // SCHED_FIFO
   bool keep_gains{false};       // use the scene's gains or refuse; they are not lowered for the coupling scheme

@@ -13,6 +13,7 @@
 #include "sim/loader/body_label.h"
 #include "sim/loader/scene_load.h"
 #include "sim/model/choice_names.h"
+#include "sim/model/step_settings.h"
 #include "tools/session/arm_gate.h"
 #include "tools/session/find_description.h"
 #include "tools/session/scheme_gains.h"
@@ -109,7 +110,7 @@ sim::GlobalOptions global_options(const sim::Scene& scene, const RunOptions& opt
   sim::GlobalOptions global;
   global.coupling = options.coupling;
   global.border_mode = options.border;
-  global.precision = options.world_precision;
+  global.precision = sim::sweep_precision(scene, options.world_precision);
   global.gains = gains_of(scene, options, device).gains;
   global.haptic_sub_steps = sub_steps_of(scene, options);
   global.extraction.cap = members_of(scene, options);

@@ -28,6 +28,7 @@ std::vector<std::string> arguments_of(const CouplingOptions& o, const experiment
   add("--seeds", fmt::format("{}", request.seeds));
   for (const std::string& file : o.scene_files) add("--scene", file);
   if (o.whole_s > 0) add("--whole", fmt::format("{}", o.whole_s));
+  if (!o.hands.empty()) add("--hands", fmt::format("{}", fmt::join(o.hands, ",")));
   if (!o.members.empty()) add("--members", fmt::format("{}", fmt::join(o.members, ",")));
   if (o.order != "best-first") add("--order", o.order);
   if (o.output.quick) words.push_back("--quick");
@@ -48,6 +49,12 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
       .add_option("--whole", options.whole_s,
                   "duration of whole runs, from rest and with the scene's own hand, that are compared too [s]")
       ->check(CLI::Range(1.0, 600.0));
+  command
+      .add_option(
+          "--hands", options.hands,
+          "who moves the device in whole runs, separated by commas; default: closed,direct; with --quick: closed")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"closed", "direct", "none"}));
   command.add_option("--borders", options.borders, help::list_of("borders of the sub-world", "all that are compared"))
       ->delimiter(',')
       ->check(CLI::IsMember(sim::border_names()));
@@ -114,6 +121,8 @@ int run_coupling_experiment(const CouplingOptions& options, const std::vector<ex
   const auto failed = [&](const Status& status) { return experiment_failed(options.name, status.message()); };
   if (options.seeds == 0 && options.whole_s <= 0)
     return failed(Status::error("--seeds 0 leaves nothing to run; give --whole SECONDS too"));
+  if (!options.hands.empty() && options.whole_s <= 0)
+    return failed(Status::error("--hands is for whole runs; give --whole SECONDS too"));
   if (options.seeds == 0 && !options.output.page.empty())
     return failed(Status::error("--page draws the windows, which --seeds 0 leaves out; accepted: --seeds 1 or more"));
   experiment::StudyRequest request;

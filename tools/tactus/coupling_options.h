@@ -1,5 +1,4 @@
-// Options and execution shared by `tactus experiment energy-loss` and `couplings`. Thread:
-// [setup].
+// Options and execution shared by `tactus experiment energy-loss` and `couplings`. Thread: [setup].
 #pragma once
 
 #include <string>
@@ -20,24 +19,32 @@ struct CouplingOptions {
   std::vector<std::string> scenes, scene_files, borders;
   std::vector<unsigned> ratios, members;
   unsigned seeds{20};
-  double whole_s{0};  // length of whole runs; 0: none
+  double whole_s{0};               // length of whole runs; 0: none
+  std::vector<std::string> hands;  // of whole runs; empty: closed and direct, closed alone if quick
   std::string order{"best-first"};
   PartOptions parts;
   OutputOptions output;
 };
 
-// Help text of both: what a whole run is, and when a body stands.
+// Help text of both: the terms of a whole run. The rule of `stands` is experiment::StandingRule.
 inline constexpr const char* kWholeRunsHelp =
-    "--whole SECONDS also compares whole runs, from rest, with the scene's own hand. closed: the arm is in the\n"
-    "loop of the run itself. direct: the arm's motion is that of the direct run (not with --quick). off: distance\n"
-    "of the body that is farthest from its pose in the direct run, at the end and at any time. by quarter: force\n"
-    "error of each quarter over the force of the whole run. A body stands if it ends within half of its smallest\n"
-    "extent of its pose in the direct run, turned by less than 0.5 rad; a body that the direct run itself drops,\n"
-    "turns over or leaves faster than 1 cm/s does not count. gain: kinetic and potential energy beyond the start\n"
-    "and the hand's work, less that of the direct run, as a share of the energy at play (the hand's work and each\n"
-    "body's weight times its extent). The row '1 um apart' is a direct run whose proxy starts 1 um aside: smaller\n"
-    "deviations cannot be told from chance. The row '2x sub-steps' is a direct run with twice the sub-steps: its\n"
-    "deviation is the uncertainty of the direct run. --seeds 0 omits the windows.\n";
+    "--whole SECONDS also compares whole runs, from rest, with the scene's own hand; --seeds 0 omits the windows:\n"
+    "  closed        the arm is in the loop of the run itself\n"
+    "  direct        the arm moves as in the direct run\n"
+    "  none          no device, neither here nor in the direct run: gain is what the coupling itself creates\n"
+    "  by quarter    force error of each quarter of the run, relative to the force of the whole run\n"
+    "  off, most     distance of the farthest body from its place in the direct run: at the end, at any time\n"
+    "  gain          kinetic and potential energy beyond the start and the hand's work, less that of the direct\n"
+    "                run, as a share of the energy at play: the hand's work and each body's weight times its extent\n"
+    "  spent         ticks in which the border's energy tank is empty: from there on it only takes. --json and --csv\n"
+    "                have the energy at both books: of the device, the border, the corrections, the global world\n"
+    "  stands        no body falls, and the force is finite and never above 10 kN (else the run is lost and ends).\n"
+    "                A body falls if it ends more than half of its smallest extent from its place in the direct\n"
+    "                run or, unless it is a ball, turned by 0.5 rad or more. Not counted are bodies that end the\n"
+    "                direct run faster than 1 cm/s, and those that fall in it: they sink by more than half of\n"
+    "                their smallest extent or, unless they are balls, turn by 0.5 rad or more\n"
+    "  1 um apart    row of a direct run whose proxy starts 1 um aside: smaller deviations are chance\n"
+    "  2x sub-steps  row of a direct run with twice the sub-steps: its deviation is the direct run's uncertainty\n";
 
 void add_coupling_options(CLI::App& command, CouplingOptions& options);
 

@@ -1,5 +1,7 @@
 #include "tools/tactus/coupling_parts.h"
 
+#include <algorithm>
+
 #include "tools/experiment/coupling/study_fields.h"
 #include "tools/experiment/coupling/whole_run.h"
 #include "tools/tactus/coupling_options.h"
@@ -10,6 +12,17 @@ namespace {
 
 std::vector<unsigned> caps_of(const CouplingOptions& options) {
   return options.members.empty() ? std::vector<unsigned>{0} : options.members;
+}
+
+std::vector<experiment::WholeRunHand> hands_of(const CouplingOptions& options) {
+  using enum experiment::WholeRunHand;
+  if (options.hands.empty() && options.output.quick) return {kClosed};
+  if (options.hands.empty()) return {kClosed, kDirect};
+  std::vector<experiment::WholeRunHand> hands;
+  for (const auto hand : {kClosed, kDirect, kNone})
+    if (std::find(options.hands.begin(), options.hands.end(), experiment::name_of(hand)) != options.hands.end())
+      hands.push_back(hand);
+  return hands;
 }
 
 // Adds the rows of other scenes, of another cap, or of whole runs; the properties of a scene are those of the last cap.
@@ -41,8 +54,8 @@ Result<experiment::StudyReport> run_whole_runs(const CouplingOptions& options, c
     if (!scheme.direct()) request.schemes.push_back(scheme);
   request.members = std::move(caps);
   request.seconds = options.whole_s;
-  request.hand_of_direct = !options.output.quick;
-  request.floor = floor;
+  request.hands = hands_of(options);
+  request.floor = floor && request.hands.front() != experiment::WholeRunHand::kNone;
   request.order = study.order;
   auto rows = experiment::run_whole(request, experiment::terminal_progress());
   if (!rows.ok()) return rows.status();

@@ -33,7 +33,7 @@ int refuse_device(const std::string& text) { return refuse_request(text, kExitMa
 
 constexpr const char* kForms = "read [REGISTER]..., write REGISTER VALUE, execute REGISTER [VALUE], faults, needs";
 
-// What was found, once more as JSON: objects with name, value as text, unit.
+// The registers as JSON: objects with name, value as text, unit.
 nlohmann::ordered_json json_of(const RegisterValue& one) {
   return {{"register", device::name_of(*one.row, one.index)},
           {"number", one.row->number + one.index},

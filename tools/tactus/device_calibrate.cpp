@@ -62,7 +62,7 @@ class Person final : public Mover {
   }
 };
 
-// The hand that holds the simulated tool goes to each pose by its path, kStep_s for each.
+// The hand that holds the simulated tool. Its path takes kStep_s for each pose: half to go there, half to rest.
 class SimulatedHand final : public Mover {
  public:
   static constexpr double kStep_s = 2, kPeriod_s = 1e-3;
@@ -70,7 +70,7 @@ class SimulatedHand final : public Mover {
   static hal::HandModel hand_to(const std::vector<Posed>& poses) {
     std::vector<hal::HandWaypoint> path;
     for (std::size_t i = 0; i < poses.size(); ++i)
-      for (const double into_s : {0.0, 0.5 * kStep_s})  // it arrives, and stays for the rest
+      for (const double into_s : {0.0, 0.5 * kStep_s})  // arrives, then rests
         path.push_back(
             {kStep_s * static_cast<double>(i) + into_s, poses[i].position, rotation_vector_of(poses[i].rotation)});
     return {hal::HandParameters{}, path};

@@ -55,7 +55,7 @@ bool answer(const std::string& question, double& value) {
   }
 }
 
-// A choice that is none is said and asked for again.
+// Reports an invalid choice and asks again.
 bool answer(const NewDescription& d, const std::string& question, std::string& value,
             Status (*check)(const NewDescription&)) {
   for (const std::string offered = value;; value = offered) {
@@ -66,7 +66,7 @@ bool answer(const NewDescription& d, const std::string& question, std::string& v
   }
 }
 
-// What was not given as an option is asked for. False: the input has ended.
+// Asks for what the options did not give. False: the input has ended.
 bool ask_for_the_rest(NewCommand& c) {
   NewDescription& d = c.description;
   if (c.kind->count() == 0 && !answer(d, "kind of arm: point_arm, wristed_arm, stage", d.kind, device::check_kind))
@@ -111,7 +111,7 @@ Result<Described> describe(NewCommand& c) {
   return made;
 }
 
-// In questions, a mistake is said, and they are asked again with the answers so far.
+// When asking interactively, reports a mistake and asks again with the previous answers as defaults.
 Result<Described> ask_and_describe(NewCommand& c) {
   const bool asking = c.ask || (isatty(STDIN_FILENO) != 0 && c.kind->count() == 0);
   if (asking && !ask_for_the_rest(c)) return mistake("the input ended before the last question");

@@ -102,9 +102,9 @@ CLI::App* add_doctor_command(CLI::App& program, int& exit_code) {
   CLI::App* doctor = program.add_subcommand(
       "doctor", "Check whether this PC can keep the haptic rate; print what to do about each finding.");
   doctor->footer(
-      "green: as it should be; amber: occasional late wake-ups; red: deadlines will be missed, or tactus will not\n"
+      "green: no action needed; amber: occasional late wake-ups; red: deadlines will be missed, or tactus will not\n"
       "run. The program changes nothing. Exit status: 0 no finding is red; 1 a finding is red; 2 bad usage.\n\n"
-      "Example:\n"
+      "Examples:\n"
       "  tactus doctor --cpu 3\n"
       "  tactus doctor --device can:can0\n"
       "  tactus doctor --fix > remedy.sh");

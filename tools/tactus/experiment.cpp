@@ -9,7 +9,7 @@ namespace tactus::tools {
 CLI::App* add_experiment_command(CLI::App& program, int& exit_code) {
   CLI::App* experiment =
       program.add_subcommand("experiment", "Measure whole worlds: print a table or JSON, write files and plots.");
-  experiment->footer("Example:\n  tactus experiment peers --quick\n  tactus experiment scaling --quick");
+  experiment->footer("Examples:\n  tactus experiment peers --quick\n  tactus experiment scaling --quick");
   add_accuracy_cost(*experiment, exit_code);
   add_capacity(*experiment, exit_code);
   add_couplings(*experiment, exit_code);

@@ -97,7 +97,7 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
       "installed, the instructions of the front and of the default are counted too, not with --quick. All of it\n"
       "takes some twenty minutes. With --workers or --scheduler only the first hand is timed, by this process,\n"
       "after the others have ended.\n\n"
-      "Example:\n"
+      "Examples:\n"
       "  tactus experiment accuracy-cost --quick\n"
       "  tactus experiment accuracy-cost --scenes pile,wall --page cost.html");
   command->add_option("--scenes", options->scenes, help::kScenes)

@@ -62,9 +62,9 @@ void add_capacity(CLI::App& experiment, int& exit_code) {
       "compute for less than the tick and 9 of 10 global steps for less than their r ticks (the global world has a\n"
       "core of its own). Times are CPU time of one thread. A heap that is too slow is run again, up to five times\n"
       "in all (three with --quick); the least time of each tick and step counts. The number of cubes is doubled\n"
-      "until a heap is too slow, then narrowed down to an eighth of an octave. The haptic side has sub-steps of\n"
-      "0.25 ms at every rate, the global world one for every two ticks, as in pile5000.\n\n"
-      "Example:\n"
+      "until a heap is too slow, then bisected to a factor of 2^(1/8). The haptic side has sub-steps of 0.25 ms at\n"
+      "every rate, the global world one for every two ticks, as in pile5000.\n\n"
+      "Examples:\n"
       "  tactus experiment capacity --quick\n"
       "  tactus experiment capacity --rates 1000 --ratios 10 --page capacity.html");
   command

@@ -27,7 +27,7 @@ void add_couplings(CLI::App& experiment, int& exit_code) {
       "below).\n"
       "Virtual time: the same options give the same figures.\n" +
       std::string(kWholeRunsHelp) +
-      "\nExample:\n  tactus experiment couplings --quick\n  tactus experiment couplings --csv couplings.csv --page "
+      "\nExamples:\n  tactus experiment couplings --quick\n  tactus experiment couplings --csv couplings.csv --page "
       "couplings.html");
   add_coupling_options(*command, *options);
   command->callback(

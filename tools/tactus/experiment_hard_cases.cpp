@@ -171,14 +171,13 @@ void add_hard_cases(CLI::App& experiment, int& exit_code) {
       "stacks are also run by the other engines that were found when tactus was built. Exit status 1: a case fails\n"
       "at the balanced accuracy.\n\n"
       "--random N --sub-world: a world collapses if a body falls that stands in three direct runs: the same run,\n"
-      "one in which every body starts up to 1 um aside in each coordinate, and one with twice the sub-steps. A body\n"
-      "that also falls in one of the last two falls by chance. Worlds that start with bodies overlapping by more\n"
-      "than half of the thinner one are counted apart, since no run of them is good. A body stands if it ends at\n"
-      "rest, within half of its smallest extent of its pose in the direct run, and turned by less than 0.5 rad;\n"
-      "bodies that fall in the direct run do not count, and those that stood still from the start are counted\n"
-      "apart. --page shows the ten worst worlds; --workers and --scheduler divide the random worlds. Exit status 1:\n"
-      "a world collapses.\n\n"
-      "Example:\n  tactus experiment hard-cases --svg scores.svg\n  tactus experiment hard-cases --cases 2,102\n"
+      "one in which every body starts up to 1 um aside in each coordinate, and one with twice the sub-steps; or if\n"
+      "the force is not finite or exceeds 10 kN. When a body falls: see `stands` in tactus experiment energy-loss\n"
+      "--help. A body that also falls in one of the last two direct runs falls by chance. Counted apart are worlds\n"
+      "that start with bodies overlapping by more than half of the thinner one, since no run of them is good, and\n"
+      "bodies that stood still from the start. --page shows the ten worst worlds; --workers and --scheduler divide\n"
+      "the random worlds. Exit status 1: a world collapses.\n\n"
+      "Examples:\n  tactus experiment hard-cases --svg scores.svg\n  tactus experiment hard-cases --cases 2,102\n"
       "  tactus experiment hard-cases --random 100 --sub-world --page worst.html");
   command->add_option("--cases", options->cases, "numbers of the cases, separated by commas; default: all")
       ->delimiter(',');

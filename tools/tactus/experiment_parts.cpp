@@ -64,7 +64,7 @@ class PassedSignals {
 
 // In the new process.
 [[noreturn]] void become(const std::vector<char*>& arguments, int output) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);  // where this program is killed
+  prctl(PR_SET_PDEATHSIG, SIGTERM);  // if this program is killed
   dup2(output, STDOUT_FILENO);
   execv(arguments[0], arguments.data());
   _exit(127);
@@ -96,7 +96,7 @@ Result<Printed> print_of(std::vector<std::string> words) {
   int ended = 0;
   while (waitpid(process, &ended, 0) < 0 && errno == EINTR) {}
   if (WIFEXITED(ended)) printed.status = WEXITSTATUS(ended);
-  if (WIFSIGNALED(ended) && PassedSignals::passes(WTERMSIG(ended)))  // before it could say what it leaves
+  if (WIFSIGNALED(ended) && PassedSignals::passes(WTERMSIG(ended)))  // the signal ended it before it could report
     printed = {.text = "interrupted; the same command goes on", .status = kInterrupted};
   if (printed.status == 127) return Status::error(fmt::format("{} cannot be run", words[0]));
   return printed;

@@ -1,6 +1,6 @@
 // Runs the parts of an experiment in other processes: on this machine (--workers), or on a scheduler of Dask
 // distributed (--scheduler). A part is this program's own command with --part K, which prints the part's result as
-// bytes (experiment/part_bytes.h); what keeps them going is the sweep's Python module. Thread: [setup].
+// bytes (experiment/part_bytes.h); the sweep's Python module runs them. Thread: [setup].
 #pragma once
 
 #include <string>

@@ -99,7 +99,7 @@ void add_peers(CLI::App& experiment, int& exit_code) {
       "same kinematic rods in every engine. Overlaps, travel and bodies that left the box are computed from the\n"
       "poses, alike for all engines; the time of a row that misses a gate is not compared. Exit status 1: a\n"
       "capacity cut the work of a row, which then does not count, or tactus misses a gate.\n\n"
-      "Example:\n"
+      "Examples:\n"
       "  tactus experiment peers --quick\n"
       "  tactus experiment peers --scenes pile1000 --peers tactus,bullet");
   const auto& names = experiment::scene_names();

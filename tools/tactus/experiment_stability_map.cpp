@@ -74,7 +74,7 @@ void add_stability_map(CLI::App& experiment, int& exit_code) {
       "encoder quantum are changed one at a time. Virtual time: the same options give the same map. How late this\n"
       "PC wakes a thread is measured for some seconds, or read from a budget file; the suggested gains suit a tick\n"
       "that is as late as one in a thousand.\n\n"
-      "Example:\n"
+      "Examples:\n"
       "  tactus experiment stability-map --quick\n"
       "  tactus experiment stability-map --budget budget.json --page stability.html");
   command->add_option("--profile", options->profile, help::kProfile)->capture_default_str();

@@ -52,7 +52,7 @@ Status check_command(const HilCommand& c) {
   return Status::good();
 }
 
-// --soak-frames, --duration, --soak and `--only soak` all ask for it.
+// Each of --soak-frames, --duration, --soak and `--only soak` requests the soak. 0: no soak.
 std::uint64_t soak_frames(const HilCommand& c) {
   if (c.soak_frames > 0) return c.soak_frames;
   const bool asked = c.soak || c.duration_s > 0 || std::find(c.only.begin(), c.only.end(), "soak") != c.only.end();
@@ -60,7 +60,7 @@ std::uint64_t soak_frames(const HilCommand& c) {
   return asked ? static_cast<std::uint64_t>(std::llround(seconds * c.options.rate_Hz)) : 0;
 }
 
-// Of this class: a device with tactus' wire has registers and frames to look at, others have what every device has.
+// The checks of this class: more for a device with tactus' protocol, which has registers and frames.
 std::span<const hil::Check> checks_of(const hal::DeviceClass* device_class) {
   const bool has_wire =
       device_class == nullptr || device_class->open_link != nullptr || device_class->name == kSimulatedName;

@@ -36,7 +36,7 @@ class Lines {
 
   explicit Lines(const hil::HeldForce& force) : force_(force) {}
 
-  // What a person has typed before the question is no answer to it.
+  // Drops what was typed before the question.
   void forget() {
     if (isatty(STDIN_FILENO) == 0) return;
     (void)tcflush(STDIN_FILENO, TCIFLUSH);
@@ -67,7 +67,7 @@ class Lines {
   std::string waiting_;
 };
 
-// A failure, with the exit status that it is.
+// A failure and its exit status.
 struct Ended {
   std::string why;
   int exit_code{kExitBadInput};
@@ -85,7 +85,7 @@ class Conversation {
     return lines_.next(line, kForever) == Lines::Got::kLine;
   }
 
-  // Nullopt: `ended` says why.
+  // On failure sets `ended` and returns nullopt.
   std::optional<double> grams(const std::string& question, milliseconds longest, Ended& ended) {
     fmt::print(stderr, "{}", question);
     for (unsigned wrong = 0; wrong < kMostWrong; ++wrong) {
@@ -112,7 +112,7 @@ class Conversation {
   Lines lines_;
 };
 
-// Nullopt: `ended` says why.
+// On failure sets `ended` and returns nullopt.
 std::optional<hil::GainResult> measure(hil::HeldForce& force, hil::ScaleCalibration& pushes, Ended& ended) {
   Conversation person(force);
   fmt::print(

@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <memory>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rt/text/nearest_word.h"
@@ -108,10 +110,22 @@ int parse_and_run(CLI::App& program, int argc, char** argv, const int& exit_code
   return exit_code;
 }
 
+// CLI11's help text, with one blank line between the options and the text below. CLI11 prints two if a command has
+// hidden options.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    std::string text = CLI::Formatter::make_help(app, std::move(name), mode);
+    if (const std::size_t at = text.find("\n\n\n"); at != std::string::npos) text.erase(at, 1);
+    return text;
+  }
+};
+
 int run_program(int argc, char** argv) {
   g_json = std::find(argv, argv + argc, std::string("--json")) != argv + argc;
   CLI::App program{"tactus: feel a large world of rigid bodies through a force-feedback device, at 1 kHz."};
   program.name("tactus");
+  program.formatter(std::make_shared<HelpFormatter>());
   program.footer(
       "Examples:\n  tactus run sim/scenes/card_house.toml --duration 20\n"
       "  tactus scene check sim/scenes/card_house.toml\n\n"

@@ -85,7 +85,7 @@ CLI::App* add_replay_command(CLI::App& program, int& exit_code) {
       "The replay computes every tick again, and prints the version and the scene that made the tape. Where a\n"
       "record is damaged, it prints what is lost and continues at the next keyframe.\n"
       "Exit status: 0 the same bits; 1 different, or a part of the tape is lost; 2 no such tape.\n\n"
-      "Example:\n"
+      "Examples:\n"
       "  tactus run sim/scenes/card_house.toml --duration 5 --record my.tape\n"
       "  tactus replay my.tape");
   command->add_option("TAPE", options->tape, help::kTape)->required();

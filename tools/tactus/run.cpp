@@ -37,7 +37,7 @@ namespace {
 
 struct RunCommand {
   Options options;
-  EachHand each;  // once, or once for each hand
+  EachHand each;  // options given once for all hands, or once for each
   double duration_s{0};
   bool virtual_time{false};
   std::string world_cpus;
@@ -108,7 +108,7 @@ Status start_viewer(const RunCommand& command, std::unique_ptr<ViewerProcess>& v
 // With a configuration it is a service: events in a log instead of a status line.
 Result<session::RunSummary> run_in_real_time(session::Session& session, const RunCommand& command) {
   const bool json = command.json, logged = !command.config.empty();
-  std::shared_ptr<ShownRun> shown;  // the service's watchers are of it
+  std::shared_ptr<ShownRun> shown;  // declared before the service, whose watchers use it
   std::unique_ptr<service::RunService> service;
   session::RealtimeHooks hooks;
   if (logged || !command.control.empty()) {
@@ -296,7 +296,7 @@ int run_several(RunCommand& command, const Scene& scene) {
                     kExitBadInput);
   std::unique_ptr<PrivateFolder> folder;  // of the viewers' sockets
   if (const int exit_code = prepare_view(command, folder); exit_code != kExitGood) return exit_code;
-  // Without a duration: until stopped. The options of virtual time ask for one.
+  // Without a duration the run lasts until it is stopped. The options of virtual time must have one.
   const bool endless = command.duration_s == 0;
   auto options =
       library::run_options(command.options, endless && command.virtual_time ? kDefaultVirtual_s : command.duration_s);
@@ -383,7 +383,7 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--pace", command.pace,
                  "pace of virtual time with --control or --view: 0.01 to 100 times real time, or 0: no limit;\n"
                  "default: 1 with --view, else 0. The results are the same bits at every pace");
-  // Each time one value: what follows may be the scene.
+  // One value per option: the next word may be the scene.
   const auto once_or_each = [](CLI::Option* option) { option->allow_extra_args(false); };
   const std::string devices = help::devices() + "\nSeveral hands: one --device for all (sim), or one for each";
   once_or_each(app.add_option("--device", command.each.devices, devices)->default_str("sim"));
@@ -415,15 +415,18 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--ratio", o.ratio, std::string(help::kRatio) + "; 1 to 100; default: the scene's");
   app.add_option("--members", o.members, std::string(help::kMembers) + "; 1 to 256; default: by --accuracy");
   app.add_option("--duration", command.duration_s,
-                 "duration of the run [s]; default: until stopped; in virtual time without --control and --view: 10");
+                 "duration of the run [s]; 0.01 to 1e6; 0, the default: until stopped; in virtual time without\n"
+                 "--control and --view: 10");
   once_or_each(
       app.add_option("--cpu", command.each.cpus, std::string(help::kCpu) + ".\nSeveral hands: one --cpu for each")
           ->check(CLI::Range(0, 1023)));
   app.add_option("--world-threads", o.world_threads,
                  "number of threads that step the global world; 1 to 64; the results are the same bits")
       ->capture_default_str();
-  app.add_option("--world-precision", o.world_precision,
-                 "precision of the global world: double, or mixed (contacts are solved in single precision)")
+  app.add_option(
+         "--world-precision", o.world_precision,
+         "precision of the global world: double, or mixed (with more than 200 moving bodies contacts are solved in\n"
+         "single precision)")
       ->capture_default_str();
   app.add_option("--world-cpu", command.world_cpus,
                  "cores of the global world, one for each of its threads, such as 2 or 1,3-4; default: any.\n"

@@ -51,7 +51,7 @@ Result<std::vector<session::Hardware>> open_devices(const sim::Scene& scene,
   return session::open_hardware(options, profiles, options.front().gpio);
 }
 
-// What those who watch one hand have.
+// Service, viewer and shared memory of one hand.
 struct Watched {
   std::shared_ptr<ShownRun> shown;  // null without a socket, or if the machine has no shared memory for watchers
   std::unique_ptr<service::RunService> service;
@@ -77,7 +77,7 @@ struct Watched {
     return watched;
   }
 
-  // The records of the run are there from now on.
+  // Call when the run's records exist.
   Status start_viewer(const std::filesystem::path& socket) {
     auto started = ViewerProcess::start(socket);
     if (!started.ok()) return started.status();

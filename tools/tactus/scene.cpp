@@ -133,7 +133,7 @@ haptics::DeviceProperties device_of(const sim::Scene& scene, double tick_s) {
   return properties;
 }
 
-// What further hands make a problem of; what is of the scene has been said.
+// Adds the problems of the second and further hands that `report` does not list yet.
 void add_further_hands(const sim::Scene& scene, double tick_s, sim::SceneReport& report) {
   const std::vector<std::string> first = report.problems;
   for (unsigned hand = 1; hand < scene.hands(); ++hand) {
@@ -243,15 +243,16 @@ int check_scene(const CheckOptions& options) {
 CLI::App* add_scene_command(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* scene = program.add_subcommand("scene", "Check a scene file (TOML), or list the keys of scene files.");
-  scene->footer("Example:\n  tactus scene check sim/scenes/card_house.toml\n  tactus scene keys simulation");
+  scene->footer("Examples:\n  tactus scene check sim/scenes/card_house.toml\n  tactus scene keys simulation");
   CLI::App* check =
       scene->add_subcommand("check", "Validate a scene; list the effects that it uses and what they cost.");
   check->footer(
-      "Every mistake gets a line: file, line, column, key, what is wrong, what is accepted. A warning does not\n"
-      "refuse a scene: an effect that nothing uses, a hull that fills a cavity of its file's shape.\n"
+      "Every mistake gets a line: file, line, column, key, what is wrong, what is accepted. A scene with warnings\n"
+      "is accepted: an effect that nothing uses, a hull that fills a cavity of its file's shape.\n"
       "sim/scenes/README.md explains the keys.\n"
-      "Exit status: 0 the scene is good; 1 it will not run well, by the problems listed; 2 it is no scene.\n\n"
-      "Example:\n"
+      "Exit status: 0 the scene is good; 1 it will not run well, by the problems listed; 2 the file is not a valid\n"
+      "scene.\n\n"
+      "Examples:\n"
       "  tactus scene check sim/scenes/card_house.toml\n"
       "  tactus scene check --json sim/scenes/pile700.toml");
   check->add_option("FILE", options->file, "scene file, such as sim/scenes/card_house.toml")->required();

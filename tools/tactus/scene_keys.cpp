@@ -133,7 +133,7 @@ void add_scene_keys_command(CLI::App& scene, int& exit_code) {
   keys->footer(
       "The list is made from the loader's own definitions, so it is always up to date.\n"
       "Exit status: 0 good; 2 there is no such table.\n\n"
-      "Example:\n"
+      "Examples:\n"
       "  tactus scene keys simulation\n"
       "  tactus scene keys --json-schema > tactus-scene.schema.json");
   keys->add_option("TABLE", options->table, "table to list, such as body or '[[body]] path'; default: all");

@@ -65,8 +65,8 @@ void ShownRun::keep_fault(const session::LiveStatus& live) {
   const std::uint64_t faults = live.fault_count.load(std::memory_order_relaxed);
   if (faults == faults_kept_ || session_.drain == nullptr) return;
   faults_kept_ = faults;
-  if (live.fault.load(std::memory_order_relaxed) == 0) return;  // taken back before anybody watched
-  const Status thrown = caught([&] {                            // where the system has no thread left
+  if (live.fault.load(std::memory_order_relaxed) == 0) return;  // re-armed before there was a watcher
+  const Status thrown = caught([&] {                            // throws if no thread can be started
     writing_ = std::async(std::launch::async, [this] { return session::write_fault_tape(session_); });
   });
   if (!thrown.ok()) fault_tape_error_ = thrown.message();

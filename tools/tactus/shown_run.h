@@ -17,7 +17,7 @@ namespace tactus::tools {
 
 class ShownRun {
  public:
-  // Before session.record(). Null, and said, where the machine has no such memory.
+  // Call before session.record(). Null, with a message, if the machine has no shared memory for watchers.
   static std::shared_ptr<ShownRun> make(session::Session& session);
 
   // Of the run `self`.
@@ -49,7 +49,7 @@ class ShownRun {
   session::RunningSummary running_;
   std::string fault_tape_, fault_tape_error_;
   std::uint64_t faults_kept_{0}, faults_told_{0};
-  std::future<Status> writing_;  // the tape of the fault faults_kept_; last: it ends before what it reads
+  std::future<Status> writing_;  // the tape of the fault faults_kept_; declared last: its thread uses the other members
 };
 
 }  // namespace tactus::tools

@@ -1,4 +1,4 @@
-// The line that a run shows of itself on standard error: on a terminal the next one overwrites it.
+// The status line of a run, on standard error: on a terminal each line overwrites the one before.
 // Thread: main.
 #pragma once
 

@@ -25,7 +25,7 @@ struct SweepCommand {
   bool fresh{false}, list{false}, collect{false}, trust_network{false}, json{false};
 };
 
-// Returns only if it cannot.
+// Replaces this process by the sweep's Python module; returns only on failure.
 int run_sweep(const SweepCommand& command) {
   std::error_code none;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", none);

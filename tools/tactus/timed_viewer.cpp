@@ -54,7 +54,7 @@ void TimedViewer::detach() {
   if (page_ != nullptr) taken_ += page_->frames();
   page_.reset();
   viewer_.reset();
-  constexpr int kTries = 100;  // until the control socket has seen that it left
+  constexpr int kTries = 100;  // of 10 ms, until the control socket has noticed that the viewer left
   for (int i = 0; i < kTries && shown_->watchers() != 0; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }

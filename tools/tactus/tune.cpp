@@ -58,7 +58,7 @@ CLI::App* add_tune_command(CLI::App& program, int& exit_code) {
       program.add_subcommand("tune", "Find the most accurate setting of a scene that this PC can run in real time.");
   app->footer(
       "Sub-steps, relax sweeps, members and ratio are changed one step at a time from the scene's values, as long\n"
-      "as the error of the force falls and the tick takes less than 0.6 of its millisecond, the governor's budget.\n"
+      "as the error of the force falls and the tick takes less than 0.6 ms, the governor's budget at 1 kHz.\n"
       "The error is measured in virtual time with the scene's own hand, against a run of all bodies at 1 kHz. The\n"
       "scene therefore has at most 256 moving bodies, and its hand touches something in the first 6 s (with --quick\n"
       "3 s). The chosen setting is then run in real time on the simulated device. The stiffness of contacts is not\n"

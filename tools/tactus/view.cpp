@@ -132,7 +132,7 @@ CLI::App* add_view_command(CLI::App& program, int& exit_code) {
   app->add_option("--beside", command->beside, "second tape, played in step with the first")->needs(tape);
   app->add_option("--socket", command->socket, help::kSocket)->capture_default_str()->excludes(tape);
   app->add_option("--link", command->link,
-                  "view at the start: what follows the token in the address of a page, such as at=2.5&pace=0.1");
+                  "initial state of the page: the part of its address after the token, such as at=2.5&pace=0.1");
   app->add_option("--port", command->port, "TCP port on this machine; 0: any free port")
       ->check(CLI::Range(0u, 65535u))
       ->capture_default_str();

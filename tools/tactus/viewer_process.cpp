@@ -33,8 +33,8 @@ Result<std::unique_ptr<ViewerProcess>> ViewerProcess::start(const std::filesyste
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   if (silent) posix_spawn_file_actions_adddup2(&files, ends[1], STDERR_FILENO);
-  posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);  // the run's own is for its summary
-  // Ctrl-C is the run's: it ends the viewer.
+  posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);  // standard output is for the run's summary
+  // A process group of its own: Ctrl-C reaches only the run, which then ends the viewer.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

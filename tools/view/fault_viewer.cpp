@@ -58,7 +58,7 @@ void FaultViewer::serve(const std::string& tape, unsigned number) {
   (void)server.value()->serve(stop_);
 }
 
-// Nothing of a tape that is no longer wanted.
+// Ignores the result for a tape that is no longer requested.
 void FaultViewer::tell(unsigned number, std::string address, std::string error) {
   const std::lock_guard lock(mutex_);
   if (number != number_) return;

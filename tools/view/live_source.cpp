@@ -50,7 +50,7 @@ ViewSource::Update LiveSource::look(std::size_t, std::vector<publication::TickEn
   return update;
 }
 
-// The run's own words, and where the page of its fault is.
+// The state that the run publishes, and the address of the page of its fault.
 std::string LiveSource::status() {
   std::string text;
   if (controller_->watcher().read_state(text)) state_ = text;

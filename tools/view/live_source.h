@@ -1,8 +1,8 @@
 // A running controller, watched through its shared memory; what pages ask for goes over its control socket.
 //
 // The tape of a fault, which the run writes while it is watched, is served beside by a viewer of its own.
-// The viewer has no right of the run's. Thread: one, the server's. Bound: as of the watcher; a request waits for the
-// run's answer.
+// The viewer has none of the run's privileges. Thread: one, the server's. Bound: as of the watcher; a request waits for
+// the run's answer.
 #pragma once
 
 #include <cstdint>

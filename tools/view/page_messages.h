@@ -1,5 +1,5 @@
-// What a page says, as JSON: {"ack": N}, {"ask": "disarm"} or {"ask": "seek", "value": 2.5}. Anything else is refused,
-// and so is too much of it.
+// Messages from a page, as JSON: {"ack": N}, {"ask": "disarm"} or {"ask": "seek", "value": 2.5}. Anything else is
+// refused, and so are longer messages, and more of them, than the bounds below.
 //
 // Pure; the caller gives the time. Thread: one. Bound: kLongestMessage bytes, kMaxMessages a second.
 #pragma once
@@ -20,14 +20,15 @@ inline constexpr std::uint32_t kMaxMessages = 250;  // a second
 struct PageMessage {
   std::uint32_t acknowledged{0};  // 0: it asks
   std::string ask;  // disarm, stop, reset, arm, rearm; play, pause, tick, cycle, back, seek, pace; take, rest
-  std::optional<std::array<double, 6>> hand{};  // m, rad: how far the hand is to be from where it was taken
+  std::optional<std::array<double, 6>> hand{};  // m, rad: target of the hand, relative to where it was taken
   double value{0};                              // seek: s of the tape; pace: times real time, 0 as fast as it goes
 };
 
 // Error: one line that says what is accepted.
 Result<PageMessage> parse_message(std::string_view text);
 
-// Force on a real device is given only where the viewer was started so; to take it away is always allowed.
+// True for a request that can give force on a real device: allowed only with --allow-force. A request that takes force
+// away is always allowed.
 bool gives_force(std::string_view ask) noexcept;
 
 class MessageRate {

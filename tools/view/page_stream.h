@@ -21,9 +21,9 @@ class PageStream {
   // A new frame of the run is there; take() sends it, unless the next one comes first.
   void offer_frame() noexcept;
   void offer_ticks(const std::vector<publication::TickEntry>& ticks, std::uint64_t lost);
-  // The ticks that follow are of another time: those that wait are dropped.
+  // Call when the ticks that follow are of another time. Drops the ticks that wait.
   void restart() noexcept;
-  // The page has taken over this message and all before it.
+  // Call when the page has acknowledged this message, and with it all before.
   void acknowledge(std::uint32_t number) noexcept;
 
   // True: there is something new, and the page can take it.

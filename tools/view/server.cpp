@@ -34,7 +34,7 @@ using Response = http::response<http::string_body>;
 using beast::error_code;
 
 constexpr auto kPollEvery = std::chrono::milliseconds(16);
-constexpr int kLastPolls = 30;  // after which pages that take nothing wait no longer for what was said last
+constexpr int kLastPolls = 30;  // polls after `stop` until pages that have not received the last messages are closed
 constexpr auto kPatience = std::chrono::seconds(5);
 constexpr std::size_t kMaxConnections = 64;
 constexpr std::uint32_t kLongestHeader = 8192;
@@ -77,7 +77,7 @@ class Page : public std::enable_shared_from_this<Page> {
   void accept(const Request& request);
   void send_text(std::string text);
   void send_new();
-  // Of what a source says of itself: a page that is behind gets the newest alone, before any more of the run.
+  // The source's status. A page that is behind gets only the newest one, before further frames of the run.
   void send_status(const std::string& status);
   bool told_all() const noexcept { return !busy_ && texts_.empty() && status_ == told_; }
   void close() {
@@ -225,7 +225,7 @@ void Page::took(std::string_view text) {
     return send_new();
   }
   const Answer answer = server_.asked(this, message.value());
-  status_.clear();  // what it knows of the source is told again
+  status_.clear();  // sends the status again, even if it did not change
   told_.clear();
   send_text(json_text(
       nlohmann::json{{"kind", "answer"}, {"ask", message.value().ask}, {"ok", answer.ok}, {"said", answer.said}}));
@@ -244,7 +244,7 @@ void Page::send_status(const std::string& status) {
   write_next();
 }
 
-// Texts first, then what the source says of itself, then the newest of the run, as the page can take it.
+// Sends texts first, then the source's status, then the newest frame of the run if the page can take one.
 void Page::write_next() {
   if (busy_ || !open_) return;
   bool text = true;
@@ -356,7 +356,7 @@ void Server::poll(const std::atomic<bool>& stop) {
     const bool told = std::ranges::all_of(pages_, [](const auto& page) { return page->told_all(); });
     if (told || last_polls_ >= kLastPolls) return io_.stop();
   }
-  if (stopping) ++last_polls_;  // a page learns that its run is over
+  if (stopping) ++last_polls_;  // at least one poll, so that pages learn that the run is over
   if (!report_.run_ended && source_->ended()) end_run();
   if (report_.run_ended && pages_.empty()) return io_.stop();
   for (std::size_t view = 0; view < views_.size() && !stopping; ++view) look(view);
@@ -459,7 +459,7 @@ Answer Server::asked(const Page* page, const PageMessage& message) {
   return answer;
 }
 
-// Without an answer, unless it is refused: up to 125 come a second.
+// Sends no answer, since up to 125 come a second; a refusal is counted.
 void Server::led(const Page* page, const PageMessage& message) {
   if (leads_ != page || !source_->ask(message).ok) count_refused("hand");
 }

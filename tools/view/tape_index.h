@@ -13,7 +13,7 @@ namespace tactus::view {
 
 struct TapeIndex {
   struct Keyframe {
-    std::uint64_t tick{0};  // that follows it
+    std::uint64_t tick{0};  // tick after the keyframe
     std::uint64_t offset{0}, index{0};
   };
   struct FaultMark {
@@ -33,7 +33,7 @@ struct TapeIndex {
 inline constexpr std::size_t kMaxFaults = 64;
 
 // `counts`: takes every tick, for the tape's verdict; may be null. Error, one line with the path: no tick, or no
-// keyframe; damage is none.
+// keyframe; damage is not an error.
 Result<TapeIndex> index_of(session::OpenTape& tape, session::RunningSummary* counts = nullptr);
 
 }  // namespace tactus::view

@@ -84,7 +84,7 @@ bool TapeShow::seek(std::uint64_t tick, std::vector<TickEntry>& ticks) {
   const std::uint64_t play_from = index_.keyframes[index_.keyframe_before(tick)].tick;
   player_.lose_step();
   if (!tape_.reader->go_to(begin.offset, begin.index)) return false;
-  // The keyframe stands before its tick: what plays it is asked one tick earlier.
+  // The keyframe precedes its tick, so playing starts one tick earlier.
   for (bool play = begin.tick == play_from;;) {
     TickEntry entry;
     if (!next_tick(play, entry)) return false;

@@ -15,7 +15,7 @@ namespace tactus::view {
 namespace {
 
 constexpr std::int64_t kLook_ns = 12'000'000;
-constexpr double kLongestPause_s = 0.1;  // between two looks: the clock does not leap
+constexpr double kLongestPause_s = 0.1;  // the most real time between two looks that counts: the clock does not jump
 constexpr double kWithinTick = 0.5;      // of a tick: times are of ticks' ends
 
 }  // namespace
@@ -62,7 +62,7 @@ void TapeSource::seek(double to_s) {
   }
 }
 
-// True: every tape is there, or at its end.
+// True: every tape has reached this time, or its end.
 bool TapeSource::step_to(double to_s, std::int64_t until_ns) {
   for (bool behind = true; behind;) {
     behind = false;
@@ -82,7 +82,7 @@ bool TapeSource::step_to(double to_s, std::int64_t until_ns) {
 void TapeSource::advance(double passed_s, std::int64_t budget_ns) {
   const bool unbounded = pace_ == 0;
   const double to_s = std::min(end_s(), unbounded ? end_s() : clock_s_ + pace_ * passed_s);
-  // Where the ticks take longer than they have, the clock stays at the last one that was played.
+  // If playing takes longer than the budget, the clock stays at the last tick that was played.
   if (step_to(to_s, MonotonicClock::now_ns() + budget_ns)) clock_s_ = std::max(clock_s_, to_s);
   if (clock_s_ >= end_s() - 1e-9) playing_ = false;
 }
@@ -108,7 +108,7 @@ ViewSource::Update TapeSource::look(std::size_t view, std::vector<publication::T
   }
   Fresh& fresh = fresh_[view];
   const std::uint64_t cycles = shows_[view]->history().cycles();
-  // What is shown may have been rebuilt since.
+  // The world outside may have been rebuilt since the last look.
   const Update update{
       .lost = 0, .fresh = fresh.frame || (cycles != fresh.cycles && !playing_), .restarted = fresh.restarted};
   ticks.insert(ticks.end(), fresh.ticks.begin(), fresh.ticks.end());
@@ -132,7 +132,7 @@ std::string TapeSource::note(const TapeShow& show) const {
   return text + fmt::format("The world outside is shown up to snapshot {}: {}", history.cycles(), why);
 }
 
-// What its verdict is of.
+// What the verdict covers.
 std::string TapeSource::judged(const TapeShow& show) {
   std::string text = "of the whole tape";
   const bool outside = haptics::traits_of(show.tape().settings.options.coupling).global_world;

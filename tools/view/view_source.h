@@ -23,7 +23,7 @@ class ViewSource {
  public:
   virtual ~ViewSource() = default;
 
-  // Worlds that are shown beside each other; `view` below counts them.
+  // Number of worlds that are shown side by side; `view` below is an index.
   virtual std::size_t views() const { return 1; }
   // Whose run it is, as "hand 1 of 2"; empty where there is one hand.
   virtual std::string hand() const { return {}; }
@@ -43,9 +43,9 @@ class ViewSource {
   // The state of playing as one JSON object; pages get it when it has changed. Empty: none.
   virtual std::string status() { return {}; }
   virtual Answer ask(const PageMessage& message) = 0;
-  // A page has come, and has no tick yet.
+  // Called when a page has joined, before its first tick.
   virtual void joined() {}
-  // Force would reach a person's hand.
+  // True if force would reach a person's hand.
   virtual bool real_device() const { return false; }
 };
 

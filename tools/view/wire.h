@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kWireMagic = 0x46434154;  // "TACF"
 inline constexpr std::uint32_t kWireVersion = 3;
 
 enum WireFlag : std::uint32_t {
-  kHasFrame = 1u << 0,  // bodies, contacts and what is said of them are new; without it ticks alone
+  kHasFrame = 1u << 0,  // the message has bodies and contacts; without it only ticks
   kRestarts = 1u << 1,  // the ticks restart at another time: earlier ones are dropped
   kIsFull = 1u << 2,    // bodies in their order, without indices
 };

@@ -1,15 +1,23 @@
-// The energy budget of a border that has one. The border may supply to members only energy that it took from them
+// The energy tank of a border that has one. The border may supply to members only energy that it took from them
 // before or that the outside bodies supplied in the global step, plus an initial amount
-// (BorderTraits::budget_at_start_J).
+// (BorderTraits::tank_at_start_J).
 //
-// Per tick:
-//   change of (stored - owed) = W_global / r - W_border,
-// both are the work on members by normal and friction forces, with sign: where outside bodies take energy from members
-// in the global step, the ghosts must take it too. In a sub-step the contact rows supply at most what is stored
-// (BorderSolver::keep_budget); with an empty tank they only take energy. Joints, and outside bodies that take energy,
-// may exceed the budget: the excess is owed and repaid first. So at any time contacts have supplied at most the initial
-// amount plus the work of the outside bodies. Thread: [rt], the haptic thread. Units: J. Bound: constant time. Source:
-// time-domain passivity, Hannaford, Ryu 2002; energy tanks, Franken et al. 2011.
+// Per cycle:
+//   change of (stored - owed) = W_global - W_border - W_push - W_corrections
+// W_border, the work of the border on members, contacts and joints, is settled tick by tick. At the synchronisation
+// follow, all with sign: W_global, the work of the outside bodies on members over the same cycle in the global step;
+// W_corrections, the energy that the corrections of that cycle gave (border_correction.h); W_push, the work of position
+// correction (rt/physics/push_out.h), which W_global contains, too: what rests on a border that gives way loses
+// potential energy without moving at the end of any sub-step.
+//
+// In a sub-step the contact rows supply at most what is stored (BorderSolver::keep_within_tank); with an empty tank
+// they only take energy. Joints (by what they supply in the tick that empties it), what is settled at the
+// synchronisation, and outside bodies that take energy, may exceed what is stored: the excess is owed and repaid first.
+// What the damper between device and proxy takes fills the tank up to the initial amount: else a balance that is a
+// little short after an impact would stay so (SubWorld::step_members). So border and corrections have supplied at most
+// the initial amount, the work of the outside bodies, what the damper took, and what is owed; in their own sub-step
+// contacts owe nothing. Thread: [rt], the haptic thread. Units: J. Bound: constant time. Source: time-domain passivity,
+// Hannaford, Ryu 2002; energy tanks, Franken et al. 2011.
 #pragma once
 
 #include <algorithm>
@@ -18,21 +26,24 @@ namespace tactus::haptics {
 
 // Copied to the tape byte by byte: no padding.
 struct BorderTank {
-  // Capacity: limits how much of the energy taken long ago can be supplied at once.
+  // Capacity between cycles: limits how much of the energy taken long ago can be supplied at once.
   static constexpr double kMaxStored_J = 0.1;
 
   double stored_J{0}, owed_J{0};  // >= 0; at least one of them is 0
-  double credit_J{0};             // per tick: work of the outside bodies on members in the last global step / r
 
-  void start(double stored) noexcept { *this = {.stored_J = stored}; }
-  // Energy that the border may supply in the next tick; below 0 it must take that much first.
-  double budget_J(double credit) const noexcept { return stored_J - owed_J + std::max(0.0, credit); }
-  // `energy`: credit minus work of the border, of one tick.
-  void settle(double energy) noexcept {
-    const double balance = stored_J - owed_J + energy;
-    stored_J = std::clamp(balance, 0.0, kMaxStored_J);
-    owed_J = std::max(0.0, -balance);
+  void start(double available) noexcept {
+    *this = {.stored_J = std::max(0.0, available), .owed_J = std::max(0.0, -available)};
   }
+  // Energy that the border may supply in the next tick; below 0 it must take that much first.
+  double available_J() const noexcept { return stored_J - owed_J; }
+  void settle(double energy) noexcept { start(available_J() + energy); }
+  // Adds what a damper took from the members, until `most` is available again.
+  void refill(double damped, double most) noexcept {
+    if (available_J() < most) settle(std::min(damped, most - available_J()));
+  }
+  // Once a cycle, when all of it is settled. Within a cycle the energy of an impact may be on one side of the balance
+  // only.
+  void keep_capacity() noexcept { stored_J = std::min(stored_J, kMaxStored_J); }
   bool empty() const noexcept { return !(stored_J > 0); }
 };
 

@@ -79,9 +79,9 @@ struct WorldSnapshot {
   double border_work_J{0};     // by outside bodies on members in the global step, with sign; ghost border only
   FixedVector<BodyId, kMaxMembers> members;         // of cycle n, ascending; always contains the proxy
   FixedVector<physics::Body, kMaxMembers> joiners;  // members of cycle n that were not members of cycle n - 1
-  // Impulses of contacts among members and with fixed bodies: of joiners; of all members if they are corrected.
+  // Impulses of contacts among members and with fixed bodies: of joiners and of corrected members.
   FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;
-  // Of members of cycle n - 1, ascending; ghost border only, and none if no member met an outside body.
+  // Of members of cycle n - 1, ascending; ghost border only, and only those whose island met an outside body.
   FixedVector<MotionCorrection, kMaxMembers> corrections;
   FixedVector<BorderPoint, kMaxBorderPoints> border;
   FixedVector<OutsideBody, kMaxOutsideBodies> outside;  // at border points and joints, ascending; ghost border only
@@ -90,6 +90,9 @@ struct WorldSnapshot {
   FixedVector<physics::NearRegion, kMaxNearRegions> near_regions;  // sorted by member, then by mesh
   FixedVector<std::uint32_t, kMaxNearTriangles> near_triangles;    // of the regions, concatenated
   EffectBytes effects;                                             // of the members
+
+  // Did members meet outside bodies in the global step?
+  bool has_border() const noexcept { return !border.empty() || !outside.empty(); }
 };
 
 // The target of the coupling. Not engaged: no spring, the proxy is damped to rest where it is.
@@ -130,9 +133,10 @@ struct SubWorldReport {
   FixedVector<OutsideImpulse, kMaxOutsideBodies> outside;       // on ghosts, ascending; ghost border only
   FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // of the leavers' contacts
   Wrenchd mean_device_wrench;                                   // N, N m: on the proxy, mean over the cycle that ended
-  DeviceTarget device;     // at t_n; interpolation coupling: velocity is the mean over the cycle that ended
-  EffectBytes effects;     // of the members of the cycle that ended
-  double proxy_work_J{0};  // by the coupling on the proxy, since the start
+  DeviceTarget device;      // at t_n; interpolation coupling: velocity is the mean over the cycle that ended
+  EffectBytes effects;      // of the members of the cycle that ended
+  double proxy_work_J{0};   // by the coupling on the proxy, since the start
+  double border_tank_J{0};  // stored less owed (border_tank.h), at t_n; the prediction starts from it
 };
 
 static_assert(std::is_trivially_copyable_v<WorldSnapshot> && std::is_trivially_copyable_v<SubWorldReport>);

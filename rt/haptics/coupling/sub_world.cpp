@@ -21,7 +21,7 @@ SubWorld::SubWorld(const SubWorldConfig& config, std::span<const physics::Body> 
   world_.index_fixed_bodies();
   world_.border_rule.mode = config.border_mode;
   state_.last_sub_steps = config.step.sub_steps;
-  state_.tank.start(border_.budget_at_start_J);
+  state_.tank.start(border_.tank_at_start_J);
 }
 
 void SubWorld::set_members(std::span<const physics::Body> bodies) noexcept {
@@ -34,11 +34,13 @@ void SubWorld::set_members(std::span<const physics::Body> bodies) noexcept {
 
 void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report) noexcept {
   const bool same_world = snapshot.epoch == state_.epoch;
+  const bool first = state_.has_snapshot == 0 || !same_world;
+  const double before_J = state_.corrected_J;
   if (same_world) correct_members(snapshot);
+  if (first) state_.tank.start(border_.tank_at_start_J);
+  if (border_.has_tank) settle_cycle(snapshot, before_J - state_.corrected_J, first);
   fill_report(snapshot, report);
   if (!same_world) forget_world(snapshot.epoch);
-  const bool first = state_.has_snapshot == 0;
-  if (first) state_.tank.start(border_.budget_at_start_J);
   read_effects(snapshot.effects, false, world_);
   change_members(snapshot);
   adopt_border(snapshot);
@@ -60,6 +62,17 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   state_.has_snapshot = 1;
   state_.ticks_in_cycle = 0;
   state_.cycle_impulse = {};
+  state_.cycle_push_out_J = 0.0;
+}
+
+// Settles the last cycle with the tank. The first snapshot's work is that of a step before there were members. A border
+// that replays the step's impulses in the ticks that follow gets their work in these ticks, in equal parts.
+void SubWorld::settle_cycle(const WorldSnapshot& snapshot, double taken_by_corrections_J, bool first) noexcept {
+  if (border_.replays)
+    state_.replayed_J = snapshot.border_work_J / config_.ratio;
+  else if (!first)
+    state_.tank.settle(taken_by_corrections_J + snapshot.border_work_J - state_.cycle_push_out_J);
+  state_.tank.keep_capacity();
 }
 
 void SubWorld::ask_reset(const Posed& world_from_proxy) noexcept {
@@ -67,13 +80,16 @@ void SubWorld::ask_reset(const Posed& world_from_proxy) noexcept {
   state_.proxy_start = world_from_proxy;
 }
 
-// A displaced proxy stretches the device's spring: it does work against the spring's wrench, taken as the mean of the
-// last cycle.
+// A displaced member does work against gravity and the springs of its joints; a displaced proxy stretches the device's
+// spring, too: it does work against the spring's wrench, taken as the mean of the last cycle.
 void SubWorld::correct_members(const WorldSnapshot& snapshot) noexcept {
+  if (snapshot.corrections.empty()) return;
+  state_.corrected_J -= world_.joint_springs_J(config_.step.contact_hertz);
   for (const MotionCorrection& correction : snapshot.corrections) {
     physics::Body* const member = world_.find(correction.id);
     if (member == nullptr) continue;
-    state_.corrected_J -= kinetic_energy(*member);
+    state_.corrected_J -= kinetic_energy(*member) +
+                          member->mass * member->gravity_scale * dot(config_.step.gravity, correction.displacement_m);
     member->motion = corrected(member->motion, correction);
     state_.corrected_J += kinetic_energy(*member);
     if (correction.id != config_.proxy) continue;
@@ -82,6 +98,7 @@ void SubWorld::correct_members(const WorldSnapshot& snapshot) noexcept {
         dot(mean.force, correction.displacement_m) + dot(mean.torque, small_rotation_vector(correction.rotation));
     proxy_ = member->motion;
   }
+  state_.corrected_J += world_.joint_springs_J(config_.step.contact_hertz);
 }
 
 // A motion that is not finite is left out, as where the global world imposes it: this state goes into corrections.
@@ -93,6 +110,7 @@ void SubWorld::continue_from(const SubWorldReport& report) noexcept {
     if (reported.id == config_.proxy) proxy_ = reported.motion;
   }
   read_effects(report.effects, true, world_);
+  state_.tank.start(report.border_tank_J);
 }
 
 // Discards everything of the former epoch: bodies, contacts, border and effects; the next adoption restarts the tank.
@@ -136,7 +154,6 @@ void SubWorld::adopt_impulses(const WorldSnapshot& snapshot) noexcept {
 void SubWorld::adopt_border(const WorldSnapshot& snapshot) noexcept {
   state_.border_work_J = border_work_J();
   border_import_.renew(snapshot, border_, last_sub_step_s(), world_);
-  state_.tank.credit_J = snapshot.border_work_J / config_.ratio;
 }
 
 void SubWorld::adopt_near_triangles(const WorldSnapshot& snapshot) noexcept {
@@ -191,9 +208,16 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
   auto& spring = world_.device_spring();
   const std::optional<physics::SlotIndex> slot = world_.slot_of(config_.proxy);
   spring.enabled = slot.has_value();
+  // Power that the coupling's damper takes [W].
+  const auto damped_W = [&]() noexcept {
+    return config_.gains.damping_Ns_per_m * norm_squared(target.velocity.linear - proxy_.velocity.linear) +
+           config_.gains.damping_Nms_per_rad * norm_squared(target.velocity.angular - proxy_.velocity.angular);
+  };
   Posed held_at;
+  double damped_before_W = 0.0;
   if (slot) {
     held_at = world_.body(*slot).motion.pose;
+    damped_before_W = damped_W();
     aim_spring(config_.gains, target, *slot, proxy_.pose, spring);
   }
   result.report = step_world(settings, cut, result);
@@ -206,6 +230,8 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
   if (target.engaged) result.on_device = impulse * rate + felt;
   if (spring.enabled) {
     proxy_ = world_.body(spring.slot).motion;
+    if (border_.has_tank)
+      state_.tank.refill(settings.dt * std::min(damped_before_W, damped_W()), border_.tank_at_start_J);
     // Work of the mean wrench over the displacement of the tick.
     const Vec3d turn = small_rotation_vector(proxy_.pose.rotation * conjugate(held_at.rotation));
     state_.proxy_work_J -=
@@ -217,26 +243,25 @@ void SubWorld::step_members(const DeviceTarget& target, std::uint32_t sub_steps,
 // Steps the world and adds the work of the border to its energy.
 physics::StepReport SubWorld::step_world(const physics::StepSettings& settings, const physics::CutPredicate& cut,
                                          SubWorldStep& result) noexcept {
-  const bool has_budget = coupling_.border && traits_of(world_.border_rule.mode).has_budget;
+  const bool has_tank = coupling_.border && traits_of(world_.border_rule.mode).has_tank;
   const double before_J = border_work_J();
-  if (has_budget) world_.border_rule.budget_J = state_.tank.budget_J(tank_credit_J());
+  if (has_tank) {
+    if (state_.ticks_in_cycle < config_.ratio) state_.tank.settle(state_.replayed_J);
+    world_.border_rule.available_J = state_.tank.available_J();
+  }
   world_.begin_step(settings);
   (void)physics::find_pairs_brute_force(world_.bounds(), world_.dynamic_pairs());
   const auto report = world_.finish_step(settings, cut);
   state_.border_work_J += report.border_joints_J;
-  if (has_budget) {
-    state_.tank.settle(tank_credit_J() + before_J - border_work_J());
+  if (has_tank) {
+    state_.tank.settle(before_J - border_work_J());
+    state_.push_out_J += report.push_out_J;
+    state_.cycle_push_out_J += report.push_out_J;
     if (state_.tank.empty()) result.status |= kBorderSpent;
   }
   if (report.capacity_bits != 0) result.status |= kCapacityExceeded;
   if (report.cut_sweep != physics::kNeverCut) result.status |= kSolverCut;
   return report;
-}
-
-// The work of the outside bodies on members in the global step is credited tick by tick, for r ticks at most: a late
-// world has reported no more.
-double SubWorld::tank_credit_J() const noexcept {
-  return state_.ticks_in_cycle < config_.ratio ? state_.tank.credit_J : 0.0;
 }
 
 // The device feels the interpolated proxy of the global world, one cycle late.

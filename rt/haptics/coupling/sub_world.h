@@ -69,10 +69,12 @@ class SubWorld {
   bool exchanges() const noexcept { return coupling_.global_world; }
   double proxy_work_J() const noexcept { return state_.proxy_work_J; }  // by the coupling on the proxy, since the start
   double border_work_J() const noexcept;                                // by the border on members, since the start
+  // Work of position correction on all members (rt/physics/push_out.h), while there are ghosts.
+  double push_out_J() const noexcept { return state_.push_out_J; }
   // Energy that corrections gave to members and the device's spring, with sign; since the start.
   double corrected_J() const noexcept { return state_.corrected_J; }
   double border_tank_J() const noexcept { return state_.tank.stored_J; }  // energy that the border may still supply
-  double border_owed_J() const noexcept { return state_.tank.owed_J; }    // energy that it supplied beyond its budget
+  double border_owed_J() const noexcept { return state_.tank.owed_J; }    // energy that it supplied beyond that
   const physics::World& world() const noexcept { return world_; }
   const SubWorldConfig& config() const noexcept { return config_; }
   std::uint64_t state_hash() const noexcept;
@@ -95,7 +97,9 @@ class SubWorld {
     double border_work_J{0};
     double corrected_J{0};
     double proxy_work_J{0};
-    BorderTank tank;  // used if the border has a budget
+    BorderTank tank;       // used if the border has a tank
+    double replayed_J{0};  // J a tick, of a border that replays: border_work_J of the snapshot / ratio
+    double push_out_J{0}, cycle_push_out_J{0};  // since the start, in this cycle
   };
 
   // sub_world_report.cpp
@@ -104,6 +108,7 @@ class SubWorld {
   void report_border(SubWorldReport& report) const noexcept;
 
   void correct_members(const WorldSnapshot& snapshot) noexcept;
+  void settle_cycle(const WorldSnapshot& snapshot, double taken_by_corrections_J, bool first) noexcept;
   void forget_world(std::uint32_t epoch) noexcept;
   void change_members(const WorldSnapshot& snapshot) noexcept;
   void adopt_impulses(const WorldSnapshot& snapshot) noexcept;
@@ -113,7 +118,6 @@ class SubWorld {
 
   double last_sub_step_s() const noexcept { return config_.step.dt / state_.last_sub_steps; }
   WorldLateness apply_lateness() noexcept;
-  double tank_credit_J() const noexcept;
   void step_members(const DeviceTarget& target, std::uint32_t sub_steps, const physics::CutPredicate& cut,
                     SubWorldStep& result) noexcept;
   physics::StepReport step_world(const physics::StepSettings& settings, const physics::CutPredicate& cut,

@@ -23,7 +23,7 @@ void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const Bo
                            std::span<const Body> bodies, SolverBodies<double> solver_bodies,
                            const BorderStep& step) noexcept {
   rule_ = traits_of(step.rule.mode);
-  budget_J_ = step.rule.budget_J;
+  available_J_ = step.rule.available_J;
   h_ = step.h;
   ghosts_.resize(rule_.ghosts ? static_cast<std::uint32_t>(ghosts.size()) : 0);
   for (std::uint32_t g = 0; g < ghosts_.size(); ++g) {
@@ -152,7 +152,8 @@ Vec3d BorderSolver::offset_at(const Row& row, const SolverBody<double>& body, do
   return member - ghost.moved - cross(ghost.turned, row.ghost_r);
 }
 
-// Relative velocity of the member's point. Without budget an approaching ghost counts as at rest along the normal.
+// Relative velocity of the member's point. With nothing available an approaching ghost counts as at rest along the
+// normal.
 Vec3d BorderSolver::slip(const Row& row, const SolverBody<double>& body) const noexcept {
   if (row.ghost == kNoGhost) return velocity_at(body, row.r) - row.neighbour_velocity;
   const Twistd& ghost = ghosts_[row.ghost].velocity;
@@ -199,7 +200,7 @@ void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat
 }
 
 void BorderSolver::begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept {
-  may_supply_ = budget_J_ > 0.0;
+  may_supply_ = available_J_ > 0.0;
   for (GhostState& ghost : ghosts_) {
     ghost.velocity += h_ * ghost.drive;
     ghost.before = ghost.velocity;
@@ -324,24 +325,36 @@ double BorderSolver::work_of(const Row& row, const SolverBody<double>& body) con
   return 0.5 * dot(impulse_of(row), row.start_velocity + velocity_at(body, row.r));
 }
 
-// Scales a row's impulse J, which did the work W on the member, to the share s that does `allowed`. The velocity after
-// the sub-step loses (1 - s) A J, so s (W + (s - 1) J A J / 2) = allowed.
+// Takes back so much of a row's impulse J that the work W on the member becomes `allowed`. Of the part D of J the share
+// x is added, the root nearest 0 in [-1, 0]: the velocity after the sub-step changes by x A D, so with v the mean of
+// the velocities before and after
+//   W + x (D . v + J A D / 2) + x^2 D A D / 2 = allowed
+// D is the friction; if that is not enough, or if the normal impulse itself supplies energy, all of J.
 void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
                                   double allowed) noexcept {
-  const Vec3d impulse = impulse_of(row);
-  const double own = 0.5 * inverse_effective_mass(body.inverse_mass, inertia, row.r, impulse, impulse);
-  const double others = work_of(row, body) - own;  // W / s in the limit s = 0
-  const double share = 0.5 * (std::sqrt(others * others + 4.0 * own * allowed) - others) * invert_or_zero(own);
-  const double less = std::clamp(share, 0.0, 1.0) - 1.0;
-  apply_impulse(row, body, inertia, less * row.normal_impulse, less * row.tangent_impulse[0],
-                less * row.tangent_impulse[1]);
-  row.normal_impulse *= 1.0 + less;
-  row.tangent_impulse[0] *= 1.0 + less;
-  row.tangent_impulse[1] *= 1.0 + less;
+  const auto take_back = [&](double normal, double tangent) noexcept {
+    const Vec3d all = impulse_of(row);
+    const Vec3d part = normal * row.normal_impulse * row.n + tangent * (all - row.normal_impulse * row.n);
+    const Vec3d mean = 0.5 * (row.start_velocity + velocity_at(body, row.r));
+    const double q = inverse_effective_mass(body.inverse_mass, inertia, row.r, part, part);
+    const double p = dot(part, mean) + 0.5 * inverse_effective_mass(body.inverse_mass, inertia, row.r, all, part);
+    const double beyond = dot(all, mean) - allowed;
+    const double root = p * p - 2.0 * q * beyond;
+    const double slope = p + std::sqrt(std::max(0.0, root));
+    const double x = root >= 0.0 && slope > 0.0 ? std::max(-1.0, -2.0 * beyond / slope) : -1.0;
+    apply_impulse(row, body, inertia, x * normal * row.normal_impulse, x * tangent * row.tangent_impulse[0],
+                  x * tangent * row.tangent_impulse[1]);
+    row.normal_impulse *= 1.0 + x * normal;
+    row.tangent_impulse[0] *= 1.0 + x * tangent;
+    row.tangent_impulse[1] *= 1.0 + x * tangent;
+  };
+  if (row.normal_impulse * dot(row.n, row.start_velocity + velocity_at(body, row.r)) <= 0.0) take_back(0.0, 1.0);
+  if (work_of(row, body) > allowed) take_back(1.0, 1.0);
 }
 
-// Limits the energy that rows put into members to the rest of the budget. Rows that take energy out are not reduced.
-void BorderSolver::keep_budget(SolverBodies<double> bodies) noexcept {
+// Limits the energy that rows put into members to what is left of the available energy. Rows that take energy out are
+// not reduced.
+void BorderSolver::keep_within_tank(SolverBodies<double> bodies) noexcept {
   double given{}, sum{};
   for (const Row& row : rows_) {
     if (!row.active) continue;
@@ -349,8 +362,8 @@ void BorderSolver::keep_budget(SolverBodies<double> bodies) noexcept {
     given += std::max(0.0, work);
     sum += work;
   }
-  if (sum <= budget_J_ || !(given > 0.0)) return;
-  const double share = std::max(0.0, budget_J_) / given;
+  if (sum <= available_J_ || !(given > 0.0)) return;
+  const double share = std::max(0.0, available_J_) / given;
   for (Row& row : rows_) {
     if (!row.active) continue;
     SolverBody<double>& body = bodies.motion[row.slot];
@@ -360,13 +373,13 @@ void BorderSolver::keep_budget(SolverBodies<double> bodies) noexcept {
 }
 
 void BorderSolver::end_sub_step(SolverBodies<double> bodies) noexcept {
-  keep_budget(bodies);
+  keep_within_tank(bodies);
   for (Row& row : rows_) {
     if (!row.active) continue;
     const Vec3d tangential = row.tangent_impulse[0] * row.t1 + row.tangent_impulse[1] * row.t2;
     const double work_J = work_of(row, bodies.motion[row.slot]);
     row.work += work_J;
-    budget_J_ -= work_J;
+    available_J_ -= work_J;
     row.step_normal += row.normal_impulse;
     row.step_tangent += tangential;
     row.step_demand[0] += row.demand[0];

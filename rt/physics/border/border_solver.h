@@ -32,10 +32,10 @@ class BorderSolver {
   explicit BorderSolver(std::uint32_t border_contacts)  // [setup]
       : rows_(border_contacts), pairs_(border_contacts), ghosts_(border_contacts) {}
 
-  // `step.rule.budget_J`: the energy that the border may put into members in this step; below 0: the energy that it
-  // must take out of them first. In a sub-step that starts without budget the border only takes energy: an approaching
-  // ghost counts as at rest along the normal, friction is limited to what does no work on the member, and so is a
-  // replayed impulse. `bodies`: by slot, ascending ids. A contact whose member is missing exerts nothing.
+  // `step.rule.available_J`: the energy that the border may put into members in this step; below 0: the energy that it
+  // must take out of them first. In a sub-step that starts with nothing available the border only takes energy: an
+  // approaching ghost counts as at rest along the normal, friction is limited to what does no work on the member, and
+  // so is a replayed impulse. `bodies`: by slot, ascending ids. A contact whose member is missing exerts nothing.
   void prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, std::span<const Body> bodies,
                SolverBodies<double> solver_bodies, const BorderStep& step) noexcept;
   void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves
@@ -106,7 +106,7 @@ class BorderSolver {
   Vec3d impulse_of(const Row& row) const noexcept;
   double work_of(const Row& row, const SolverBody<double>& body) const noexcept;
   void take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia, double allowed) noexcept;
-  void keep_budget(SolverBodies<double> bodies) noexcept;
+  void keep_within_tank(SolverBodies<double> bodies) noexcept;
   void solve_friction_point(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
                             bool biased) noexcept;
   void solve_row(Row& row, SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
@@ -119,8 +119,8 @@ class BorderSolver {
   BoundedVector<GhostState> ghosts_;  // in the order of the world's ghosts
   double h_{};
   BorderTraits rule_;      // of the mode
-  bool may_supply_{true};  // this sub-step started with some budget left
-  double budget_J_{};      // J: the rest of the budget
+  bool may_supply_{true};  // this sub-step started with some energy available
+  double available_J_{};   // J: what is left of it
 };
 
 }  // namespace tactus::physics

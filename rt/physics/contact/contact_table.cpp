@@ -246,8 +246,8 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   contact.slot_a = pair.a;
   contact.slot_b = pair.b;
   contact.b_fixed = with_fixed;
-  contact.rolls_a = touches_on_side(a, sides.part_a, walk.scene.shapes.compounds, manifold.normal);
-  contact.rolls_b = touches_on_side(b, sides.part_b, walk.scene.shapes.compounds, manifold.normal);
+  contact.rolls_a = touches_on_side(a, sides.part_a, walk.scene.shapes.compounds, manifold);
+  contact.rolls_b = touches_on_side(b, sides.part_b, walk.scene.shapes.compounds, manifold);
   contact.axis_cache = search.axis_cache;
   contact.friction = pair_friction(a, b);
   contact.normal = manifold.normal;

@@ -30,6 +30,10 @@ class Effects {
   const StageTable& stages() const noexcept { return stages_; }
   // Null if the effect is not used.
   template <class Object>
+  Object* find() noexcept {
+    return std::get<std::unique_ptr<Object>>(objects_).get();
+  }
+  template <class Object>
   const Object* find() const noexcept {
     return std::get<std::unique_ptr<Object>>(objects_).get();
   }

@@ -118,8 +118,7 @@ void Joints::prepare(StageContext& c) noexcept {
 }
 
 // Updates axes, lever arms, errors and the coordinate to the bodies' present poses.
-void Joints::measure(const StageContext&, Row& row, const SolverBody<double>& a,
-                     const SolverBody<double>& b) const noexcept {
+void Joints::measure(Row& row, const SolverBody<double>& a, const SolverBody<double>& b) const noexcept {
   const Joint& joint = joints_[row.joint];
   const Vec3d r_a = rotate(a.delta_rotation, row.arm_a);
   row.r_b = rotate(b.delta_rotation, row.arm_b);
@@ -234,7 +233,7 @@ void Joints::begin_sub_step(StageContext& c) noexcept {
     for (const std::uint32_t slot : {row.slot_a, row.slot_b})
       if (slot != kOutside && c.sub_step > 0) turn_inertia(c, slot);
     const Side a = side(c, row, row.slot_a), b = side(c, row, row.slot_b);
-    measure(c, row, a.body, b.body);
+    measure(row, a.body, b.body);
     fill_masses(row, a, b);
     if (row.ghost != kNoGhost) fill_give(row, a, b, c.rule.softness);
     if (row.anchored) row.start_velocity = frame_velocity(c, row);
@@ -364,7 +363,7 @@ void Joints::follow(StageContext& c) noexcept {
     if (!joints_[row.joint].limited) continue;
     Row moved = row;
     moved.outside.delta_position += c.h * row.outside.v;
-    measure(c, moved, side(c, moved, row.slot_a).body, side(c, moved, row.slot_b).body);
+    measure(moved, side(c, moved, row.slot_a).body, side(c, moved, row.slot_b).body);
     row.coordinate = moved.coordinate;
   }
 }

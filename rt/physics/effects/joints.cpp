@@ -2,6 +2,7 @@
 #include "rt/physics/effects/joints.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "rt/physics/body_search.h"
 
@@ -101,59 +102,102 @@ const Joints::Anchor* Joints::anchor_of(std::uint32_t joint) const noexcept {
   return at != anchors_.end() && at->joint == joint ? at : nullptr;
 }
 
-// Adds the active joints once each: at their body B, or at A if B is in another world.
+template <class F>
+void Joints::for_each_active(std::span<const Body> bodies, std::span<const Body> fixed_bodies, F&& f) const noexcept {
+  for (std::uint32_t slot = 0; slot < bodies.size(); ++slot)
+    for (const std::uint32_t k : joints_of(bodies[slot].id)) {
+      const Joint& joint = joints_[k];
+      if (states_[k].broken != 0) continue;
+      if (joint.b != bodies[slot].id) {
+        if (slot_of(bodies, joint.b) == kNoSlot && anchor_of(k) != nullptr) f(k, slot, kOutside);
+        continue;
+      }
+      const std::uint32_t slot_a = slot_of(bodies, joint.a);
+      const bool known = slot_a != kNoSlot || joint.a == kNoBody || slot_of(fixed_bodies, joint.a) != kNoSlot;
+      if (known || anchor_of(k) != nullptr) f(k, slot_a, slot);
+    }
+}
+
 void Joints::find_active(StageContext& c) noexcept {
   rows_.clear();
   apart_.clear();
   apart_fixed_.clear();
-  for (std::uint32_t slot = 0; slot < c.bodies.size(); ++slot) {
-    for (const std::uint32_t k : joints_of(c.bodies[slot].id)) {
-      const Joint& joint = joints_[k];
-      if (states_[k].broken != 0) continue;
-      if (joint.b != c.bodies[slot].id) {
-        if (slot_of(c.bodies, joint.b) == kNoSlot && anchor_of(k) != nullptr) add_row(c, k, slot, kOutside);
-        continue;
-      }
-      const std::uint32_t slot_a = slot_of(c.bodies, joint.a);
-      const std::uint32_t fixed_a = slot_a != kNoSlot ? kNoSlot : slot_of(c.fixed_bodies, joint.a);
-      if (slot_a == kNoSlot && fixed_a == kNoSlot && joint.a != kNoBody && anchor_of(k) == nullptr) continue;
-      add_row(c, k, slot_a, slot);
-      if (joint.bodies_collide) continue;
-      if (slot_a != kNoSlot) (void)apart_.try_push({std::min(slot_a, slot), std::max(slot_a, slot)});
-      if (fixed_a != kNoSlot) (void)apart_fixed_.try_push({fixed_a, slot});
+  for_each_active(c.bodies, c.fixed_bodies, [&](std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
+    add_row(c, k, slot_a, slot_b);
+    if (joints_[k].bodies_collide || slot_b == kOutside) return;
+    if (slot_a != kOutside) {
+      (void)apart_.try_push({std::min(slot_a, slot_b), std::max(slot_a, slot_b)});
+    } else if (const std::uint32_t fixed = slot_of(c.fixed_bodies, joints_[k].a); fixed != kNoSlot) {
+      (void)apart_fixed_.try_push({fixed, slot_b});
     }
-  }
+  });
   c.report.joints = rows_.size();
   std::sort(apart_.begin(), apart_.end(), comes_before);
   std::sort(apart_fixed_.begin(), apart_fixed_.end(), comes_before);
 }
 
-void Joints::add_row(StageContext& c, std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
-  if (!rows_.try_push({})) return;  // never fails: capacity for all joints
+// The joint's frames at the bodies' poses; of a body of another world, at its anchor.
+Joints::Row Joints::row_of(std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b, std::span<const Body> bodies,
+                           std::span<const Body> fixed_bodies) const noexcept {
   const Joint& joint = joints_[k];
-  Row& row = rows_[rows_.size() - 1];
+  Row row;
   row.joint = k;
   row.slot_a = slot_a;
   row.slot_b = slot_b;
   if (slot_a == kOutside || slot_b == kOutside) {
     const BodyId id = slot_a == kOutside ? joint.a : joint.b;
-    const std::uint32_t fixed = slot_of(c.fixed_bodies, id);
+    const std::uint32_t fixed = slot_of(fixed_bodies, id);
     row.anchored = fixed == kNoSlot && id != kNoBody;
-    if (fixed != kNoSlot) row.outside_motion = {c.fixed_bodies[fixed].motion.pose, {}};
-    if (row.anchored) {
-      const Anchor& anchor = *anchor_of(k);
-      row.outside_motion = anchor.motion;
-      row.own_inverse_mass = anchor.inverse_mass;
-      row.own_inverse_inertia = rotate_diagonal(anchor.motion.pose.rotation, anchor.inverse_inertia);
-    }
+    if (fixed != kNoSlot) row.outside_motion = {fixed_bodies[fixed].motion.pose, {}};
+    if (row.anchored) row.outside_motion = anchor_of(k)->motion;
   }
-  const Posed& a = slot_a == kOutside ? row.outside_motion.pose : c.bodies[slot_a].motion.pose;
-  const Posed& b = slot_b == kOutside ? row.outside_motion.pose : c.bodies[slot_b].motion.pose;
+  const Posed& a = slot_a == kOutside ? row.outside_motion.pose : bodies[slot_a].motion.pose;
+  const Posed& b = slot_b == kOutside ? row.outside_motion.pose : bodies[slot_b].motion.pose;
   row.arm_a = rotate(a.rotation, joint.a_from_joint.position);
   row.arm_b = rotate(b.rotation, joint.b_from_joint.position);
   row.apart = (b.position - a.position) + (row.arm_b - row.arm_a);
   row.frame_a = a.rotation * joint.a_from_joint.rotation;
   row.frame_b = b.rotation * joint.b_from_joint.rotation;
+  return row;
+}
+
+void Joints::add_row(StageContext& c, std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
+  Row row = row_of(k, slot_a, slot_b, c.bodies, c.fixed_bodies);
+  if (row.anchored) {
+    const Anchor& anchor = *anchor_of(k);
+    row.own_inverse_mass = anchor.inverse_mass;
+    row.own_inverse_inertia = rotate_diagonal(anchor.motion.pose.rotation, anchor.inverse_inertia);
+  }
+  (void)rows_.try_push(row);  // never fails: capacity for all joints
+}
+
+double Joints::springs_J(std::span<const Body> bodies, std::span<const Body> fixed_bodies,
+                         std::span<const std::uint8_t> held, double contact_hertz) const noexcept {
+  double sum = 0.0;
+  for_each_active(bodies, fixed_bodies, [&](std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
+    Row row = row_of(k, slot_a, slot_b, bodies, fixed_bodies);
+    if (row.anchored) return;
+    SolverBody<double> a, b;
+    SymMat3d inertia_a, inertia_b;
+    const auto take = [&](std::uint32_t slot, SolverBody<double>& body, SymMat3d& inverse_inertia) noexcept {
+      if (slot == kOutside || held[slot] != 0) return;
+      body.inverse_mass = 1.0 / bodies[slot].mass;
+      const Vec3d& inertia = bodies[slot].inertia;
+      inverse_inertia =
+          rotate_diagonal(bodies[slot].motion.pose.rotation, Vec3d{1.0 / inertia.x, 1.0 / inertia.y, 1.0 / inertia.z});
+    };
+    take(slot_a, a, inertia_a);
+    take(slot_b, b, inertia_b);
+    measure(row, a, b);
+    fill_masses(row, {a, inertia_a}, {b, inertia_b});
+    sum += dot(row.linear_error, row.linear_mass * row.linear_error);
+    sum += dot(row.angular_error, row.angular_mass * row.angular_error);
+    const Joint& joint = joints_[k];
+    const double beyond = std::max({0.0, joint.low - row.coordinate, row.coordinate - joint.high});
+    if (joint.limited) sum += row.axis_mass * beyond * beyond;
+  });
+  const double omega = 2.0 * std::numbers::pi * contact_hertz;
+  return 0.5 * omega * omega * sum;
 }
 
 // The body of another world to which the joint is connected.

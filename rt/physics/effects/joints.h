@@ -18,6 +18,8 @@
 // joints of the bodies in this world, x log bodies.
 #pragma once
 
+#include <algorithm>
+
 #include "rt/physics/body_frame.h"
 #include "rt/physics/effects/joint.h"
 #include "rt/physics/effects/stage.h"
@@ -35,6 +37,11 @@ class Joints {
 
   std::span<const Joint> joints() const noexcept { return joints_; }
   std::span<const JointState> states() const noexcept { return states_.span(); }  // by joint
+  // Starts from these efforts, by joint, as if they were those of the last sub-step.
+  void start_from(std::span<const JointState> states) noexcept {
+    for (std::size_t k = 0; k < std::min<std::size_t>(states.size(), states_.size()); ++k)
+      states_[static_cast<std::uint32_t>(k)].effort = states[k].effort;
+  }
   // Calls `f(slot_a, slot_b, joint)` for joints between two of these bodies, in the order of B.
   template <class F>
   void for_each_link(std::span<const Body> bodies, F&& f) const noexcept {
@@ -44,6 +51,12 @@ class Joints {
         if (const std::uint32_t a = slot_of(bodies, joints_[k].a); a != kNoSlot) f(a, slot, k);
       }
   }
+
+  // Energy of the springs that hold the joints together at the bodies' poses [J]: sum of e . M e w^2 / 2 over locked
+  // axes and passed limits, w = 2 pi contact_hertz, e: the error, M: the effective mass. Of joints between two of these
+  // bodies, or one of them and a fixed body or the world. `held`, by slot: 1: of infinite mass.
+  double springs_J(std::span<const Body> bodies, std::span<const Body> fixed_bodies, std::span<const std::uint8_t> held,
+                   double contact_hertz) const noexcept;
 
   void reset() noexcept;
   void save(ByteWriter& out) const noexcept;
@@ -99,8 +112,13 @@ class Joints {
   const Anchor* anchor_of(std::uint32_t joint) const noexcept;
   BodyId outside_of(std::uint32_t joint, std::span<const Body> bodies) const noexcept;
   Side side(StageContext& c, Row& row, std::uint32_t slot) noexcept;
-  void measure(const StageContext& c, Row& row, const SolverBody<double>& a,
-               const SolverBody<double>& b) const noexcept;
+  // Calls `f(joint, slot_a, slot_b)` for each joint that holds one of the bodies, once: at its body B, or at A if B is
+  // in another world.
+  template <class F>
+  void for_each_active(std::span<const Body> bodies, std::span<const Body> fixed_bodies, F&& f) const noexcept;
+  Row row_of(std::uint32_t joint, std::uint32_t slot_a, std::uint32_t slot_b, std::span<const Body> bodies,
+             std::span<const Body> fixed_bodies) const noexcept;
+  void measure(Row& row, const SolverBody<double>& a, const SolverBody<double>& b) const noexcept;
   void fill_masses(Row& row, const Side& a, const Side& b) const noexcept;
   void fill_give(Row& row, const Side& a, const Side& b, const Softness<double>& softness) const noexcept;
   void take_own_mass(Row& row, const StageContext& c) const noexcept;

@@ -1,8 +1,8 @@
 // The device's image in a QEMU of its own: its serial line, and the memory that is its mechanics.
 //
-// Thread: one, the test's. Every wait ends: where the device sends nothing for twenty seconds, or what is awaited does
-// not come within some thousand frames, Failure is thrown. StoodStill is thrown where the device's own time stamps show
-// that the emulator got no processor for five periods or more: what happened meanwhile says nothing about the device.
+// Thread: one, the test's. Every wait ends: Failure is thrown if the device sends nothing for twenty seconds, or if a
+// condition does not hold within some thousand frames. StoodStill is thrown if the device's time stamps show that the
+// emulator did not run for five periods or more: the result of such a run is not valid.
 #pragma once
 
 #include <sys/types.h>
@@ -30,7 +30,7 @@ inline void require(bool good, const char* otherwise) {
   if (!good) throw Failure(otherwise);
 }
 
-// What the caller has to give the addresses of.
+// Symbols whose addresses the caller must supply.
 enum class Symbol : std::size_t { kBoardRegisters = 0, kStackLimit = 1, kStackTop = 2, kPeriodClock = 3 };
 inline constexpr std::array<const char*, 4> kSymbols{"board_registers", "stack_limit", "stack_top", "period_clock"};
 
@@ -47,20 +47,21 @@ class EmulatedDevice {
   std::size_t stack_high_water() const;  // bytes, since the newest start
 
   void send_bytes(std::span<const std::byte> bytes);
-  // The next state that the device sends.
+  // Waits for the next state frame.
   StateFrame next_state();
-  // The same, and a command for it once the device has taken the one before.
+  // Same; then sends a command, if the device has taken the one before.
   StateFrame turn(State wanted, const AxisValues& effort, bool rearm = false);
   std::uint32_t commands_sent() const { return sequence_; }
   bool command_was_taken() const { return echoed_ == sequence_; }
   void await(const std::function<bool(const StateFrame&)>& holds, const char* otherwise);
-  // Drops the states that have come and were not looked at.
+  // Drops state frames that were received and not read.
   void forget_waiting();
-  // Until the device has written where a fault was.
+  // Waits until the device has written the place of a fault.
   void await_fault();
-  // Until the device's frames start again.
+  // Waits until the device sends frames again.
   void await_restart();
-  // The memory is ahead of the frames: what looked wrong in it may be a stop that the next frames tell of.
+  // True if one of the next frames shows that the emulator stood still. The memory is ahead of the frames, so a wrong
+  // value in it may come from such a stop.
   bool stands_still_soon();
   ServiceMessage ask(Operation operation, std::uint16_t address, std::uint32_t value = 0);
 

@@ -6,7 +6,7 @@
 
 namespace tactus::test {
 
-// Periods in which a moteus goes from stopped to position mode and the effort to its largest, and more.
+// Periods in which a moteus goes from stopped to position mode and the effort reaches its limit, with a margin.
 inline constexpr unsigned kMoteusStart = 20;
 
 struct DriveBench {
@@ -32,7 +32,7 @@ struct DriveBench {
     command.rearm = 0;
     ticks(6);
   }
-  // From the next tick on, for so many: what it writes is the first to meet the fault.
+  // Injects a fault for `count` periods from the next tick; it acts on that tick's write().
   void inject(hal::DriveFaultKind kind, unsigned axis = 1, std::uint64_t count = 1) {
     device->world().inject({kind, axis, device->world().tick() + 1, count});
   }
@@ -49,7 +49,7 @@ struct DriveBench {
   haptics::DeviceCommand command;
 };
 
-// A hand so soft that the plant alone answers, or one that holds.
+// A hand that holds the tool at `place`.
 inline hal::HandModel held_at(const Vec3d& place) {
   hal::HandParameters parameters;
   parameters.stiffness_N_per_m = 4000;

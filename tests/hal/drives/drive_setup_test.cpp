@@ -11,7 +11,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-// Three simulated drives of a family, asked as before a run.
+// Three simulated drives of a family, prepared as before a run.
 struct PreparedDrives {
   DeviceDescription described;
   SimulatedDrives world{drive_profile(described), HandModel(), kDrivePeriod_ns};
@@ -23,7 +23,7 @@ struct PreparedDrives {
     REQUIRE(prepared.ok());
     identities = std::move(prepared).value();
   }
-  // As before a re-arm.
+  // The comparison that precedes a re-arm.
   Status compare() { return compare_drives(described.drives, buses, identities); }
 };
 
@@ -31,7 +31,7 @@ struct PreparedDrives {
 
 TEST_CASE("drives: preparing refuses what does not fit the description, by axis, with what to do") {
   const auto refusal = [](DeviceDescription described, const DeviceDescription& real) {
-    // The arm is opened with one description, its drives are made after another.
+    // The simulated drives follow `real`; the arm is opened with `described`.
     SimulatedDrives world(drive_profile(real), HandModel(), kDrivePeriod_ns);
     const DriveBuses buses = world.make_buses();
     return prepare_drives(described.drives, buses).message();

@@ -13,16 +13,16 @@ using Bench = DriveBench;
 TEST_CASE("drives: a moteus that restarts, however shortly, or that another program stops, brakes the arm") {
   struct Case {
     DriveFaultKind kind;
-    unsigned periods;  // that it hears nothing
+    unsigned periods;  // without received commands
     bool first_answer_lost;
   };
   std::vector<Case> cases;
   for (unsigned periods = 1; periods < 10; ++periods)
     for (const bool lost : {false, true})
-      if (periods + (lost ? 1 : 0) < 10)  // then it is silent
+      if (periods + (lost ? 1 : 0) < 10)  // with more, kDriveSilent is reported
         cases.push_back({DriveFaultKind::kRestarted, periods, lost});
   for (const bool lost : {false, true}) cases.push_back({DriveFaultKind::kDisabled, 1, lost});
-  for (const double force_N : {0.0, 2.0})  // what it is sent does not count
+  for (const double force_N : {0.0, 2.0})  // the commanded force makes no difference
     for (const Case& c : cases) {
       CAPTURE(static_cast<int>(c.kind), c.periods, c.first_answer_lost, force_N);
       Bench bench(point_arm_of(DriveFamily::kMoteus));

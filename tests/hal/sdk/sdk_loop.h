@@ -1,4 +1,4 @@
-// The haptic thread of the tests on makers' libraries: one read and one write per period, until something is so.
+// The haptic thread of the tests on makers' libraries: one read and one write per period, until a condition holds.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -11,7 +11,7 @@
 namespace tactus::test {
 
 inline constexpr std::int64_t kSdkPeriod_ns = 1'000'000;
-// Beyond all that a loaded machine does; what is waited for comes after milliseconds.
+// Periods until a wait fails: 20 s at 1 kHz; the event comes within milliseconds.
 inline constexpr unsigned kSdkPatience = 20'000;
 
 struct SdkLoop {
@@ -19,7 +19,7 @@ struct SdkLoop {
   haptics::DeviceInput input{};
   haptics::DeviceCommand command{};
 
-  // False: it did not come to that.
+  // False: `done` did not hold within kSdkPatience periods.
   bool until(const std::function<bool()>& done, bool writes = true) {
     for (unsigned i = 0; i < kSdkPatience; ++i) {
       device.read(input);
@@ -30,7 +30,7 @@ struct SdkLoop {
     }
     return false;
   }
-  // FORCE, and `forces_on` of the stand-in.
+  // Commands `force_N` until the device is in FORCE and `forces_on`, of the stand-in, is set.
   bool push(const Vec3d& force_N, const std::atomic<bool>& forces_on) {
     command.wanted = haptics::DeviceState::kForce;
     command.wrench.force = force_N;
@@ -39,7 +39,8 @@ struct SdkLoop {
   bool is_fresh() {
     return until([&] { return input.status == haptics::ReadStatus::kFresh; });
   }
-  // After 50 ms without a fresh sample it counts as disconnected, on a slow machine before five reads.
+  // Reads without a fresh sample, five in succession. After 50 ms without one the device counts as disconnected, on a
+  // slow machine before the fifth read.
   bool misses_five() {
     unsigned missing = 0;
     return until([&] {

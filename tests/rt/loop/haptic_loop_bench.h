@@ -1,4 +1,4 @@
-// A haptic loop on a bench: a device that does as it is told and streams where the test puts it, on a proxy so heavy
+// A haptic loop with a device that obeys every command and reports the pose that the test sets. The proxy is so heavy
 // that the force is known. Frame: device, which is the world's unless a test places it elsewhere. Units: SI.
 #pragma once
 
@@ -46,7 +46,7 @@ inline Body anvil(const Posed& pose = {}) {
   return physics::make_dynamic_body(kProxy, Shape::sphere(0.5), 1e9, 0.5, pose);
 }
 
-// A loop, and a device that does as it is told and streams where the test puts it.
+// A loop, and a device that obeys every command and reports the pose `tool`.
 struct Bench {
   explicit Bench(const LoopConfig& config = make_config(), const Body& proxy = anvil()) : loop(config, {}) {
     in.device.sample.state = DeviceState::kIdle;
@@ -59,7 +59,7 @@ struct Bench {
   Posed tool;
   Vec3d last_force;
   double force_step_max{0};
-  bool deaf{false};  // the device hears no command
+  bool deaf{false};  // the device receives no command
 
   TickOutput& tick(std::uint32_t operator_bits = 0, ReadStatus status = ReadStatus::kFresh) {
     auto& sample = in.device.sample;
@@ -82,14 +82,14 @@ struct Bench {
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) tick();
   }
-  // Armed, with the tool `stretch` away from where it was when it engaged, after the ramp.
+  // Arms the loop, moves the tool by `stretch` and waits for the end of the ramp.
   void hold(const Vec3d& stretch) {
     run(3);
     tick(kArm);
     move(stretch);
     run(300);
   }
-  // Along a line, below the speed at which a sample is no longer believed.
+  // Moves the tool along a line, slower than the speed at which the guard rejects samples.
   void move(const Vec3d& by) {
     const int ticks = static_cast<int>(norm(by) / 0.5e-3) + 1;
     for (int i = 0; i < ticks; ++i) {

@@ -76,7 +76,7 @@ TEST_CASE("any fault latches, takes the force to zero within ten ticks, brakes, 
   CHECK(bench.out.command.wrench == Wrenchd{});
   CHECK(bench.out.command.wanted == DeviceState::kBrake);
 
-  // The cause is gone, and somebody arms: that is not enough.
+  // The cause is gone, and kArm is requested: the fault stays latched.
   bench.tool = {{2e-3, 1e-3, 0}, {}};
   bench.in.device.sample.device_fault = 0;
   bench.in.device.sample.state = DeviceState::kBrake;
@@ -147,7 +147,7 @@ TEST_CASE("a device that misses commands fades, and the next command is no more 
     bench.tick();
     CHECK(bench.force() == Approx(whole).epsilon(1e-5));
   }
-  // The host slept for a while: the first sample that it sees says seven.
+  // The host was suspended: the first sample that it reads reports seven missed commands.
   missed = 7;
   bench.tick();
   CHECK(bench.force() == Approx(0.3 * whole).epsilon(1e-5));
@@ -166,7 +166,7 @@ TEST_CASE("a device that leaves FORCE by itself is a fault at once, and only a r
   Bench bench;
   bench.hold({5e-3, 0, 0});
   REQUIRE(bench.force() > 9);
-  bench.in.device.sample.state = left;  // one sample: the next would say FORCE again
+  bench.in.device.sample.state = left;  // in one sample; the next reports FORCE again
   bench.tick();
   CHECK(bench.out.fault == Fault::kDeviceLeftForce);
   CHECK(bench.out.command.wrench == Wrenchd{});
@@ -265,7 +265,7 @@ TEST_CASE("a fault while idle brakes at once") {
 }
 
 TEST_CASE("a wrench of our own that is no number is never sent, latches and brakes at once") {
-  // The stretch of the interpolation is not held back by a solver: 1e308 N/m and 10 m are no number.
+  // Interpolation has no solver that limits the stretch: 1e308 N/m times 10 m overflows.
   LoopConfig config = make_config(CouplingScheme::kInterpolation);
   config.sub_world.gains.stiffness_N_per_m = 1e308;
   config.placement.motion_scale = 1e4;

@@ -102,7 +102,7 @@ TEST_CASE("a disarmed loop does not damp for energy that the hand got before") {
   Bench bench(config);
   bench.run(3);
   bench.tick(kArm);
-  // A sampled spring without damping gives about 1/2 K v^2 T^2 a tick to whoever swings it.
+  // A sampled spring without damping gives about 1/2 K v^2 T^2 per tick to the hand that moves it.
   double t_s = 0;
   const auto swing = [&](std::uint32_t bits = 0) {
     t_s += 1e-3;
@@ -134,8 +134,8 @@ TEST_CASE("the work of the coupling on the proxy is the proxy's own energy, wher
     bench.tick();
     const double kinetic_J = 0.5 * mass * norm_squared(bench.out.proxy.velocity.linear);
     most_J = std::max(most_J, kinetic_J);
-    // Never less: where a sub-step ends the velocity is the new one, so that its way is a little longer than its
-    // mean's.
+    // The work is never less than the kinetic energy: semi-implicit Euler moves a body with the new velocity, a little
+    // further than with the mean one.
     REQUIRE(bench.loop.sub_world().proxy_work_J() == Approx(kinetic_J).epsilon(0.05).margin(2e-4));
     REQUIRE(bench.loop.sub_world().proxy_work_J() > kinetic_J - 1e-9);
   }
@@ -159,7 +159,8 @@ TEST_CASE(
   CHECK(out.deepest_share == (config.thinnest_m == 0.02 ? Approx(0.2).epsilon(1e-6) : Approx(0)));
 }
 
-// A device of the mass, damping and quantum that the loop is told, on a loop whose gains no validator has seen.
+// The device has the mass, damping and quantum of the loop's configuration; the gains exceed what check_coupling
+// allows.
 TEST_CASE("at 2 and 2.5 times the accepted gain the passivity controller holds a device that feels its force late") {
   const int late = GENERATE(1, 2);
   const double share = GENERATE(2.0, 2.5, 3.0);
@@ -191,7 +192,7 @@ TEST_CASE("at 2 and 2.5 times the accepted gain the passivity controller holds a
     work_J += sent.back() * (x - before);
     most_J = std::max(most_J, work_J);
     REQUIRE(std::abs(x) < 0.1);
-    // The loop's energy is what the device got, but for what is on its way and for what is left of a quantum.
+    // The loop's energy equals what the device received, up to the commands in transit and one quantum.
     if (k % 500 == 499) CHECK(bench.out.device_energy_J == Approx(-work_J).margin(1e-3));
     if ((bench.out.status & kPassivityActive) != 0) ++active;
   }

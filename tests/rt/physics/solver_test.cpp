@@ -51,8 +51,8 @@ TEST_CASE("A cube on a slope steeper than its friction slides with g (sin - mu c
   CHECK(a == Approx(kGravity * (std::sin(slope) - friction * std::cos(slope))).epsilon(0.01));
 }
 
-// Tables side by side, every second one lower by less than a finger feels. (Where it is higher by 20 um some still
-// stumble: the box may overlap the rim by less sideways than from above.)
+// Tables side by side, every second one lower by 20 um. (If every second one is higher by 20 um, some cubes stumble:
+// the box may overlap the rim by less sideways than from above.)
 TEST_CASE("A cube slides over the joints of tables as over one") {
   const double slope = 0.5, friction = 0.3;
   for (const double step : {0.0, -2e-5}) {
@@ -291,7 +291,7 @@ TEST_CASE("A load that rests stays where it is when the number of sub-steps chan
   }
 }
 
-TEST_CASE("A cut at any sweep leaves every sub-step done, a finite state and no energy that nobody gave", "[slow]") {
+TEST_CASE("A cut at any sweep leaves every sub-step done and a finite state, and adds no energy", "[slow]") {
   // An impact at full speed: the worst place to stop, because the impulse of the impact is the next warm start.
   const auto make = [](PhysicsBench& bench) {
     bench.add_ground(0, 0.5);

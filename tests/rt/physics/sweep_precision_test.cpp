@@ -1,5 +1,5 @@
-// What a world may expect whose contacts are solved in single precision: what a step leaves alone keeps every bit, and
-// what it changes is exact to single precision, wherever the world is.
+// Contacts solved in single precision: a value that a step does not change keeps every bit, and a change is exact to
+// single precision, at any distance from the world's origin.
 #include <catch2/catch.hpp>
 
 #include "tests/support/physics_bench.h"

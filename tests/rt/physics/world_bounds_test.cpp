@@ -10,7 +10,7 @@ using namespace tactus::physics;
 using tactus::test::PhysicsBench;
 using tactus::test::Random;
 
-TEST_CASE("Bodies that may touch in a step have bounds that overlap, whoever of them moves or falls", "[slow]") {
+TEST_CASE("Bodies that may touch in a step have bounds that overlap, whichever of them moves or falls", "[slow]") {
   Random random(4);
   for (int n = 0; n < 2000; ++n) {
     PhysicsBench bench;

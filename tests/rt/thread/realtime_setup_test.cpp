@@ -24,8 +24,8 @@ using namespace tactus::loop;
 
 namespace {
 
-// What the set-up changes is the process's as well (locked memory, limits): each case has a process of its own, and
-// tells by its exit status which of its claims failed.
+// The set-up changes the process too (locked memory, limits), so each case has a process of its own. Its exit status is
+// the number of the first claim that failed.
 class Claims {
  public:
   void that(bool holds) {
@@ -38,7 +38,7 @@ class Claims {
   int number_{0}, failed_{0};
 };
 
-constexpr int kCannot = 77;  // a process says so where it lacks a privilege
+constexpr int kCannot = 77;  // exit status of a process that lacks a privilege
 
 // 0, or the number of the first claim that does not hold.
 int in_own_process(const std::function<void(Claims&)>& work) {

@@ -15,7 +15,7 @@ constexpr SetupRequest kModest{
     .cpu = -1, .priority = 0, .lock_memory = false, .hold_cpu_awake = false, .stack_KiB = 16};
 constexpr std::uint32_t kStack_KiB = 256;
 
-// A body that tells what it found, and ends when it may.
+// The body of a thread: records what it finds, and ends when `may_end` is set.
 struct Visit {
   std::atomic<bool> may_end{false}, began{false};
   bool own_thread{false}, signals_blocked{false}, set_up{false}, runs{false};

@@ -29,9 +29,11 @@ struct Pair {
   SubWorldPrediction prediction{ghost_config(), {}};
   physics::World global{ghost_config().capacities};
 
-  explicit Pair(double mass = kOutsideMass) {
-    haptic.next_with({ball(kProxy, {0, 0, kRadius})});
-    REQUIRE(global.insert(ball(kProxy, {0, 0, kRadius})));
+  // `others`: members besides the proxy.
+  explicit Pair(double mass = kOutsideMass, std::vector<Body> others = {}) {
+    others.insert(others.begin(), ball(kProxy, {0, 0, kRadius}));
+    haptic.next_with(others);
+    for (const Body& member : others) REQUIRE(global.insert(member));
     add_border(mass);
     synchronise();
   }
@@ -64,8 +66,12 @@ struct Pair {
     global.find(kProxy)->motion = in_global;
     haptic.next({kProxy});
     add_border(next_mass);
-    prediction.fill_corrections(global, *haptic.snapshot);
+    fill_corrections();
     synchronise();
+  }
+  void fill_corrections() {
+    prediction.find_corrected(*haptic.snapshot);
+    prediction.fill_corrections(global, *haptic.snapshot);
   }
 };
 
@@ -103,7 +109,8 @@ TEST_CASE("What the hand does beyond the extrapolation is added to the global wo
               kGlobal.velocity.linear + moved.velocity.linear - expected.velocity.linear, 1e-12);
 }
 
-TEST_CASE("What members gave to an outside body beyond the prediction is known after the cycle") {
+TEST_CASE(
+    "What members gave to an outside body beyond the prediction is known after the cycle, unless the tank is empty") {
   Pair pair;
   pair.run(0.2);
   const Vec3d given = pair.haptic.sub_world.world().border_ghosts()[0].total_impulse.force;
@@ -116,6 +123,8 @@ TEST_CASE("What members gave to an outside body beyond the prediction is known a
   REQUIRE(beyond.size() == 1);
   CHECK(beyond[0].id == kOutside);
   check_close(beyond[0].impulse.force, given - predicted, 1e-12);
+  pair.haptic.report->border_tank_J = -1e-6;
+  CHECK(pair.prediction.not_predicted(*pair.haptic.report).empty());
 }
 
 // Over more ticks a lasting load gives more: that is not the hand's.
@@ -130,10 +139,27 @@ TEST_CASE("After a late cycle members are corrected, and nothing is given to out
   CHECK(late.prediction.not_predicted(*late.haptic.report).empty());
 }
 
-TEST_CASE("A prediction that has not run since the last snapshot corrects nobody") {
+TEST_CASE("A prediction that has not run since the last snapshot fills no corrections") {
   Pair pair;
-  pair.prediction.fill_corrections(pair.global, *pair.haptic.snapshot);
+  pair.fill_corrections();
   CHECK(pair.haptic.snapshot->corrections.empty());
+  CHECK_FALSE(pair.prediction.corrects(kProxy));
+}
+
+TEST_CASE("Members are corrected if one of their island met an outside body, in the sub-world or the global step") {
+  constexpr BodyId kTouching = 1, kLinked = 2, kApart = 3;
+  Pair pair(kOutsideMass, {ball(kTouching, {2 * kRadius - 1e-5, 0, kRadius}),
+                           ball(kLinked, {4 * kRadius - 2e-5, 0, kRadius}), ball(kApart, {0, 10 * kRadius, kRadius})});
+  pair.run();
+  pair.haptic.next({kProxy, kTouching, kLinked, kApart});
+  const bool in_global_step = GENERATE(false, true);
+  if (in_global_step) REQUIRE(pair.haptic.snapshot->border.try_push(support(kApart, kMass * 9.81, 0.3)));
+  pair.fill_corrections();
+  const auto& corrections = pair.haptic.snapshot->corrections;
+  REQUIRE(corrections.size() == (in_global_step ? 4 : 3));
+  for (std::uint32_t i = 0; i < corrections.size(); ++i) CHECK(corrections[i].id == i);
+  for (const BodyId member : {kProxy, kTouching, kLinked}) CHECK(pair.prediction.corrects(member));
+  CHECK(pair.prediction.corrects(kApart) == in_global_step);
 }
 
 TEST_CASE("A saved prediction goes on as the first one, bit by bit") {
@@ -148,7 +174,8 @@ TEST_CASE("A saved prediction goes on as the first one, bit by bit") {
   REQUIRE(other.restore(in));
   pair.haptic.next({kProxy});
   const auto again = std::make_unique<WorldSnapshot>(*pair.haptic.snapshot);
-  pair.prediction.fill_corrections(pair.global, *pair.haptic.snapshot);
+  pair.fill_corrections();
+  other.find_corrected(*again);
   other.fill_corrections(pair.global, *again);
   REQUIRE(again->corrections.size() == 1);
   CHECK(same_bits(again->corrections[0], pair.haptic.snapshot->corrections[0]));

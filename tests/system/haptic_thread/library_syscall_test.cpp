@@ -45,7 +45,7 @@ constexpr std::uint64_t kHeld = 300;         // ticks in a row in FORCE, before 
 constexpr double kLeast_N = 0.05;            // before it
 constexpr std::uint64_t kPatience = 60'000;  // ticks, beyond all that a loaded machine does
 
-// Of a library's stand-in, found in the child by its one function.
+// The state of a library's stand-in, found in the child process by the stand-in's function.
 template <class StandIn>
 StandIn& truth_of(const char* path, const char* function) {
   void* const handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
@@ -58,7 +58,7 @@ StandIn& truth_of(const char* path, const char* function) {
 void move_hand(StandIn& device, double up_m) noexcept { device.hand_z_m = up_m; }
 void move_hand(HdStandIn& device, double up_m) noexcept { device.hand_y_mm = 1e3 * up_m; }
 
-// The hand pushes; a fault of the library until the loop has latched; and FORCE again.
+// Phases: the hand pushes; the library has a fault until the loop latches one; FORCE again.
 template <class StandIn>
 class FaultOfLibrary : public RtScript {
  public:
@@ -74,8 +74,8 @@ class FaultOfLibrary : public RtScript {
   unsigned step(const session::Session& session) noexcept override {
     const loop::TickOutput& out = session.driver->output();
     const bool in_force = out.fault == Fault::kNone && session.driver->sample().state == haptics::DeviceState::kForce;
-    // The hand lets go where a loaded machine caused a fault before that of the library: after a re-arm the coupling
-    // starts at the tool's pose, so its force is zero until the hand pushes again.
+    // If a loaded machine caused a fault before the library's, the hand goes back: after a re-arm the coupling starts
+    // at the tool's pose, so its force is zero until the hand pushes again.
     if (in_force) move_hand(*truth_, -0.01);
     if (!in_force && phase_ == 0) move_hand(*truth_, 0);
     held_ = in_force && (phase_ != 0 || out.command.wrench.force.z > kLeast_N) ? held_ + 1 : 0;
@@ -103,7 +103,7 @@ class FaultOfLibrary : public RtScript {
 
 void check(const char* device, RtScript& script, bool faulty) {
   Counts counts;
-  // Without a fault of the library only a loaded machine latches one: then another run must do without.
+  // Without a fault of the library only a loaded machine can latch one: then the trial is repeated.
   for (int i = 0; i < 5; ++i) {
     counts = run_trial({.ticks = kPatience, .scene_of_test = kScene, .device = device, .script = &script});
     if (faulty || counts.latched == 0) break;

@@ -27,8 +27,8 @@
 
 namespace tactus::test {
 
-// A clock that answers from the kernel (not every machine has one that does not), the sleep, and the question of the
-// guard that counts page faults.
+// Allowed system calls: the clock (on some machines it needs no call), the sleep, and the guard's reading of page
+// faults.
 inline constexpr long kAllowed[]{SYS_clock_gettime, SYS_clock_nanosleep, SYS_getrusage};
 inline constexpr std::uint64_t kWarmUp = 200;
 
@@ -38,13 +38,14 @@ struct Counts {
   long first_refused{-1};
   std::uint64_t status_ticks[32]{}, latched{0};  // of the whole run: ticks with a StatusBit, faults
   std::uint32_t joints{0};                       // most between two members
+  std::uint32_t border_contacts{0}, ghosts{0};   // most
   std::uint64_t frames_seen{0}, ticks_seen{0};   // by the watcher
   unsigned phase{0};                             // that the script came to
 
   std::uint64_t with(StatusBit bit) const { return status_ticks[std::countr_zero(static_cast<std::uint32_t>(bit))]; }
 };
 
-// What happens to a run from outside, a step after each tick, and when it is over.
+// External events of a run: step() is called after each tick and returns the phase; kOver ends the trial.
 class RtScript {
  public:
   static constexpr unsigned kOver = 100;  // the phase in which the trial may end
@@ -58,18 +59,18 @@ enum class Pace { kRealTime, kAsFastAsItGoes };
 struct Trial {
   std::uint64_t ticks{0};
   Pace pace{Pace::kRealTime};
-  bool misbehave{false};  // one call too many, in one tick
+  bool misbehave{false};  // makes one forbidden call in one tick
   const char* scene{"domino_row.toml"};
   const char* scene_of_test{nullptr};            // its text, instead of a file of the project
   std::uint32_t members{4};                      // so that members come and go and there is a border
-  const char* inject{""};                        // as --inject, and each latched fault is taken back
+  const char* inject{""};                        // as --inject; each latched fault is followed by a re-arm
   std::uint32_t cut_at{~0u};                     // sweep at which every tick is cut
   double budget{loop::GovernorConfig{}.budget};  // of the period, for the governor
   std::vector<sim::Stall> stalls{};              // of the global world; in real time only
   haptics::CouplingScheme coupling{haptics::CouplingScheme::kSubWorld};
   const char *device{"sim"}, *device_file{""};
   bool watched{false};        // a watcher reads all ticks and frames that the run publishes
-  RtScript* script{nullptr};  // then `ticks` is how long it is waited for its end
+  RtScript* script{nullptr};  // if set, `ticks` is the most that its end is waited for
 };
 
 inline std::uint32_t joints_between_members(const physics::World& world) noexcept {
@@ -92,7 +93,10 @@ struct Ticks {
 
   bool operator()(const loop::TickTiming& timing) noexcept {
     tick(timing);
-    counts.joints = std::max(counts.joints, joints_between_members(session.loop->sub_world().world()));
+    const physics::World& members = session.loop->sub_world().world();
+    counts.joints = std::max(counts.joints, joints_between_members(members));
+    counts.border_contacts = std::max(counts.border_contacts, members.border_contacts().size());
+    counts.ghosts = std::max(counts.ghosts, members.border_ghosts().size());
     if (session.stats.ticks == kWarmUp) {
       counts.filtered = install_syscall_filter(kAllowed);
       guard.emplace();

@@ -1,4 +1,4 @@
-// Signs and offsets from held poses: what went into the angles comes out.
+// Recovers the signs and offsets with which the drive angles were generated.
 #include "tools/device/calibration.h"
 
 #include <catch2/catch.hpp>
@@ -60,7 +60,7 @@ TEST_CASE("any signs and offsets are found, whatever the description said") {
   }
 }
 
-TEST_CASE("a wrong ratio and an axis that nobody moved are doubts") {
+TEST_CASE("a wrong ratio and an axis that was not moved are doubtful") {
   const auto described = hal::load_device_file(kFiles[0]);
   REQUIRE(described.ok());
   hal::DeviceProfile real = described.value();

@@ -45,8 +45,8 @@ std::string text_of(const test::TemporaryFile& file) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Readings of a Falcon of 10000 that is taken for one of 5000: it gives half of what is asked for, and asks for twice
-// as much from the second push on. A line with Enter before each.
+// Readings of a Falcon with a gain of 10000 while 5000 is assumed: it makes half of the commanded force, so that the
+// program commands twice as much from the second push on. An empty line, Enter, precedes each push.
 const std::string kReadings = "12\n\n38\n\n112\n\n165\n\n216\n12\n";
 
 }  // namespace

@@ -20,18 +20,18 @@ test::CommandOutput run(const std::string& arguments) {
   return test::run_command(TACTUS_PROGRAM " " + arguments + " 2>&1");
 }
 
-// What this machine's load changes is not judged here: the samples' share and their way.
+// --timing report: the share of samples and their delay depend on this machine's load and are not judged.
 std::string hil(const std::string& device, const std::string& only) {
   return "hil --yes --force 1 --timing report --device " + device + " --only " + only;
 }
 
-// Of an exchange of 50 ms: hil looks before it ends, or after.
+// The message about an exchange of 50 ms: hil reads it before the exchange ends, or after.
 const std::string kBlocks = R"(its library (took [0-9.]+ ms for an exchange|makes no exchange since [0-9]+ ms: ))";
 
 struct HilRun {
   int exit_code{0};
   nlohmann::json report;
-  std::string end;  // what the library says of its forces when the device was closed
+  std::string end;  // the state of the forces that the library reported when the device was closed
 };
 
 HilRun run_hil_once(const std::string& device, const std::string& only, const std::string& fault) {
@@ -53,8 +53,8 @@ bool lacks_samples(const nlohmann::json& report) {
   });
 }
 
-// Ten periods without a sample end the force; a machine that does not run the library's thread for so long causes them,
-// too, with any fault. A library that loses samples by itself does so every time.
+// Repeats a run that lacks samples. A loaded machine may not run the library's thread for ten periods, which ends the
+// force; a library that loses samples does so in every run.
 template <class Run, class Lacks>
 auto run_with_samples(Run run, Lacks lacks) {
   auto result = run();

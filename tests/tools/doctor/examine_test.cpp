@@ -14,7 +14,7 @@ using namespace tactus::doctor;
 
 namespace {
 
-// A tree in the temporary folder, gone with the object. It begins as a PC as it should be, cpu 3 for the loop.
+// A tree in the temporary folder, removed with the object. At first a PC that needs no action, with CPU 3 for the loop.
 class Tree {
  public:
   Tree() {
@@ -82,7 +82,7 @@ void only(const Tree& tree, const std::string& check, MachineVerdict verdict) {
 
 }  // namespace
 
-TEST_CASE("A PC as it should be is green in every check, and its figures are representative") {
+TEST_CASE("A PC that needs no action is green in every check, and its figures are representative") {
   const Tree tree;
   const Report report = tree.examine();
   for (const MachineFinding& finding : report.findings) {

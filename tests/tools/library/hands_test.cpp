@@ -1,5 +1,5 @@
-// Several hands through the front door, in virtual time: the program's bits, each hand's part, errors that say what
-// helps.
+// Several hands through the public API, in virtual time: the same bits as the program, the part of each hand, errors
+// with the remedy.
 #include <cmath>
 #include <cstring>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// The front door in real time. Nothing here depends on how fast the machine is.
+// The public API in real time. Nothing here depends on how fast the machine is.
 #include <atomic>
 #include <filesystem>
 #include <fstream>

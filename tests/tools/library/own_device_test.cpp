@@ -68,7 +68,7 @@ TEST_CASE("a device of one's own feels the block, and gives the same bits twice"
     CHECK(puck.commands.size() == 2000);
     CHECK(puck.commands.back().force_on);
     CHECK(puck.commands.back().force_N == session.last().force_N);
-    // The hand's spring holds what the device pushes, and the device says what the summary does.
+    // The hand's spring balances the device's force.
     CHECK(puck.commands.back().force_N[2] == Approx(300 * (puck.position_m + 0.016)).epsilon(0.05));
     CHECK_THAT(session.summary().json, Contains("\"device\": \"own\""));
     if (trial == 1) CHECK(session.state_hash() == hash);

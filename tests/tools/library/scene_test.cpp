@@ -1,4 +1,4 @@
-// A scene by its public face.
+// A scene through the public API.
 #include "tests/tools/library/library_bench.h"
 
 using namespace tactus;

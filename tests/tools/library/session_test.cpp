@@ -1,4 +1,4 @@
-// The front door in virtual time: the same bits as the program, views that follow, errors that say what helps.
+// The public API in virtual time: the same bits as the program, views that follow the state, errors with the remedy.
 #include "rt/base/denormals.h"
 #include "sim/model/choice_names.h"
 #include "tests/support/rt_guard.h"

@@ -1,4 +1,4 @@
-// The drawing of plots: that what is drawn lies where its value says, and that any text makes a whole file.
+// Plots: every drawn point lies at the place of its value, and any text gives a valid file.
 #include "tools/plot/svg.h"
 
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
-// What a controller writes into the shared memory is what a watcher reads, whole or not at all; who does not watch
-// costs nothing, and who watches cannot write.
+// A watcher reads what the controller wrote into the shared memory, whole or not at all. Without a watcher nothing is
+// written, and a watcher cannot write.
 #include "tools/publication/publication.h"
 
 #include <fcntl.h>
@@ -219,7 +219,7 @@ TEST_CASE("with the direct coupling the members' poses come every sixteenth tick
   CHECK(ticks == 49);
 }
 
-TEST_CASE("while nobody watches nothing is written, and watching changes no bit of the run") {
+TEST_CASE("without a watcher nothing is written, and a watcher changes no bit of the run") {
   const auto coupling = GENERATE(haptics::CouplingScheme::kSubWorld, haptics::CouplingScheme::kDirect);
   Run alone(test::scene_file("card_house.toml"), coupling, false);
   alone.ticks(1200);

@@ -141,8 +141,9 @@ def cells(table):
 
 
 def whole_row(members, ratio, off_m=0.0, **others):
-    return {"coupling": "sub-world", "hand": "closed", "scene": "s", "seconds": 30.0, "members": members, "ratio": ratio, "force_error": 0.0059,
-            "force_rms_N": 1.0, "pose_off_m": off_m, "pose_off_share_of_size": None, "stands": True, **others}
+    return {"coupling": "sub-world", "hand": "closed", "scene": "s", "members": members, "ratio": ratio, "force_error": 0.0059,
+            "force_rms_N": 1.0, "pose_off_m": off_m, "pose_off_share_of_size": None, "energy_gain_J": 0.0, "direct_energy_gain_J": 0.0,
+            "energy_at_play_J": 2.0, "border_spent_share": 0.0, "stands": True, **others}
 
 
 def peer_row(engine, median_us, **others):
@@ -154,15 +155,21 @@ def peer_row(engine, median_us, **others):
 class Rows(unittest.TestCase):
     def test_caps_with_the_same_figures_are_one_row_of_whole_runs(self):
         rows = [whole_row(cap, ratio) for cap in (16, 8) for ratio in border.WHOLE_RATIOS]
-        rows += [whole_row(4, ratio, off_m=0.01, pose_off_share_of_size=0.255, stands=ratio < 16) for ratio in border.WHOLE_RATIOS]
+        rows += [whole_row(4, ratio, off_m=0.01, pose_off_share_of_size=0.255, stands=ratio < 16, energy_gain_J=0.1,
+                           direct_energy_gain_J=0.04, border_spent_share=ratio / 160) for ratio in border.WHOLE_RATIOS]
         rows += [whole_row(16, 1, coupling="direct", force_error=error) for error in (0.001, 0.022)]
         rows += [whole_row(16, 2, hand="direct", off_m=1)]
         self.assertEqual(cells(border.whole([done("s", {"whole": rows})])), [
-            ["s, 16 or 8", "30", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "0.00, 0.00, 0.00, 0.00, 0.00", "-", "yes"],
-            ["s, 4", "30", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "10.00, 10.00, 10.00, 10.00, 10.00", "25.5 %", "NO at 16"]])
+            ["s, 16 or 8", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "0.00, 0.00, 0.00, 0.00, 0.00", "-", "0.00", "0.0", "yes"],
+            ["s, 4", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "10.00, 10.00, 10.00, 10.00, 10.00", "25.5 %", "3.00", "10.0", "NO at 16"]])
+
+    def test_each_coupling_has_its_force_at_both_ratios(self):
+        rows = [{"scene": "s", "coupling": c, "ratio": ratio, "force_error_rms": error, "stable": error < 0.5}
+                for c, ratio, error in (("direct", 1, 0.0), ("sub-world", 8, 0.01), ("sub-world", 16, 0.02), ("static", 8, 0.7))]
+        self.assertEqual(cells(border.couplings([done("s", {"rows": rows})])), [["s", "1.0 % / 2.0 %", "70 %, unstable / -"]])
 
     def test_a_ratio_that_a_scene_refuses_is_a_dash(self):
-        self.assertEqual(cells(border.whole([done("s", {"whole": [whole_row(4, 8, force_rms_N=0.0)]})]))[0][2:5], ["no force", "-", "-, -, 0.00, -, -"])
+        self.assertEqual(cells(border.whole([done("s", {"whole": [whole_row(4, 8, force_rms_N=0.0)]})]))[0][1:4], ["no force", "-", "-, -, 0.00, -, -"])
 
     def test_three_caps_are_at_least_two_members(self):
         by_name = {file.stem: border.three_caps(file) for file in border.scene_files()}

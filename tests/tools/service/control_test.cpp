@@ -77,7 +77,7 @@ std::string written(const std::function<void(EventLog&)>& events, bool with_leve
   return lines;
 }
 
-// Connections that begin to ask, and do not go on.
+// Connections that send the beginning of a request and then nothing.
 class SlowClients {
  public:
   SlowClients(const std::filesystem::path& socket, int count) {
@@ -103,8 +103,8 @@ class SlowClients {
 
 }  // namespace
 
-TEST_CASE("who is slow to ask keeps nobody from disarming, however many they are", "[threads]") {
-  // One after the other they would take longer than whoever asks waits.
+TEST_CASE("clients that send slowly do not delay a disarm, whatever their number", "[threads]") {
+  // Served one after the other they would take longer than the time-out of a request.
   for (const int count : {8, 3 * static_cast<int>(kMaxClients)}) {
     Bench bench;
     const SlowClients slow(bench.socket, count);
@@ -187,7 +187,7 @@ TEST_CASE("real time is not paused, stepped or slowed down, and virtual time is"
   CHECK(pacing.playing.load());
 }
 
-TEST_CASE("one at a time leads the simulated hand, and nobody a real device's", "[threads]") {
+TEST_CASE("one client at a time leads the simulated hand, and none a real device's", "[threads]") {
   Bench bench;
   CHECK(bench.ask("hand 1 take")["ok"] == false);
   session::HandInput hand;
@@ -341,7 +341,7 @@ TEST_CASE("the log says when force comes and goes, and not twice where a fault t
   CHECK(std::count(lines.begin(), lines.end(), '\n') == 5);
 }
 
-TEST_CASE("systemd is notified over its socket, and nobody where there is none") {
+TEST_CASE("systemd is notified over its socket, and without one nothing is sent") {
   const Folder folder;
   unsetenv("NOTIFY_SOCKET");
   CHECK_FALSE(notify("READY=1"));
@@ -367,7 +367,8 @@ TEST_CASE("systemd is notified over its socket, and nobody where there is none")
   unsetenv("WATCHDOG_PID");
 }
 
-TEST_CASE("watch passes a descriptor on and counts who holds the connection, and other requests go on", "[threads]") {
+TEST_CASE("watch passes the descriptor on and counts the open connections, and other requests are served",
+          "[threads]") {
   const Folder folder;
   std::atomic<std::uint32_t> requests{0}, watchers{0};
   std::atomic<bool> stop{false};

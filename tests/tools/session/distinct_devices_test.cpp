@@ -1,4 +1,4 @@
-// Two hands take nothing of the machine twice, however it is named.
+// Two hands cannot use the same device, interface or drive, whatever names they are given by.
 #include "tools/session/distinct_devices.h"
 
 #include <catch2/catch.hpp>

@@ -94,7 +94,7 @@ TEST_CASE("Two hands that pull at one bar feel each other's force") {
     if (tick >= 2300) ripple_N = std::max(ripple_N, std::abs(forces_N[0] + forces_N[1]));
     most_step_N = std::max(most_step_N, std::abs(forces_N[1] - last_N));
     last_N = forces_N[1];
-    REQUIRE(bench.two->holds_part(0) != bench.two->holds_part(1));  // of one sub-world, and always of one
+    REQUIRE(bench.two->holds_part(0) != bench.two->holds_part(1));  // a member of exactly one sub-world
   });
   const double first = in_series_N(0.02), then = in_series_N(0.5 * (0.02 + 0.05));
   CHECK(pulled_N[0] == Approx(first).margin(kDryFriction_N));
@@ -122,10 +122,11 @@ TEST_CASE("A part goes from hand to hand, and its sub-world with it") {
     }
     if (tick == 1900) pushed_m = bench.two->part_x_m();
   });
-  // The lower hand has what neither touches yet; then each in turn has what it pushes.
+  // A body that no hand touches belongs to the hand of lower number, later to the hand that pushes it.
   CHECK(holders == std::vector<unsigned>{0, 1});
   CHECK(bench.summaries[0].global.handed_over == 1);
-  // Between a hand's target, less the block's half and the ball, and where friction holds both springs compressed.
+  // The block stops between the hand's target (less half the block and the ball) and the place where friction balances
+  // both springs.
   const double sag_m = friction_N / kHand_N_per_m + friction_N / kCoupling_N_per_m;
   CHECK(pushed_m < 0.06 - 0.02);
   CHECK(pushed_m > 0.06 - 0.02 - sag_m);

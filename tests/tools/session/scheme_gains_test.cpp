@@ -55,6 +55,7 @@ TEST_CASE("interpolation's stiffness is lowered to the allowed share of its limi
   CHECK(found.gains.damping_Ns_per_m == scene.coupling.damping_Ns_per_m);
   CHECK(loop_config(scene, options, device).sub_world.gains.stiffness_N_per_m == found.gains.stiffness_N_per_m);
   CHECK(global_options(scene, options, device).gains.stiffness_N_per_m == found.gains.stiffness_N_per_m);
+  CHECK(global_options(scene, options, device).precision == physics::SweepPrecision::kFull);  // a small scene
   CHECK(contains(lowered_text(found), "N/m (limit "));
   CHECK(check_gains(scene, options, device).ok());
   // A ratio of 2 bears all of it.
@@ -62,8 +63,7 @@ TEST_CASE("interpolation's stiffness is lowered to the allowed share of its limi
   CHECK_FALSE(gains_of(scene, options, device).lowered());
 }
 
-TEST_CASE(
-    "who keeps the gains is refused with the limit and what to do, and accepted with the stiffness that it names") {
+TEST_CASE("gains beyond the limit are refused with --keep-gains, with the stiffness that is accepted") {
   sim::Scene scene = test::scene_file("stack20.toml");
   const auto device = device_of(scene);
   RunOptions options = options_of(CouplingScheme::kInterpolation);

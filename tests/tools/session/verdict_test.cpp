@@ -1,4 +1,4 @@
-// One rule for every verdict: each rule of the table alone makes a run not good, in its words.
+// Each rule of the verdict's table, broken alone, makes a run degraded or bad, with the rule's text.
 #include "tools/session/verdict.h"
 
 #include <bit>
@@ -16,7 +16,7 @@ using Catch::Matchers::StartsWith;
 
 namespace {
 
-// A minute in real time that nothing is to be said against.
+// A good run of one minute in real time.
 RunSummary good_run() {
   RunSummary s;
   s.scene_name = "test";

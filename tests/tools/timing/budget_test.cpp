@@ -1,4 +1,4 @@
-// The capacity contract: what is signed off reads back, and what a run may not do with it.
+// The budget file: round trip, and which runs it refuses.
 #include "tools/timing/budget.h"
 
 #include <catch2/catch.hpp>
@@ -56,7 +56,7 @@ TEST_CASE("a budget reads back as it was measured") {
   CHECK(b.wake_p99_9_us <= b.wake_worst_us);
 }
 
-TEST_CASE("nobody signs off a bad run") {
+TEST_CASE("a bad run is not signed off") {
   CHECK(signed_off(TimingVerdict::kBad).empty());
   CHECK_FALSE(signed_off(TimingVerdict::kMachine).empty());
 }

@@ -1,4 +1,4 @@
-// Each way for a tick to be late, made up alone: the cause that is told, and what it is told from.
+// Each cause of a late tick in synthetic records: the reported cause and its evidence.
 #include "tools/timing/cause.h"
 
 #include <catch2/catch.hpp>
@@ -107,7 +107,8 @@ TEST_CASE("a late tick that met its deadline has the cause of the part that grew
   auto work = delayed_in_solve(1, 200'000);
   work.cpu_ns += 200'000;
   work.foreseen_ns = 390'000;
-  CHECK(attribute(work, kPeriod_ns, kUsual, quiet()).cause == Cause::kComputing);  // own work is an overrun's
+  CHECK(attribute(work, kPeriod_ns, kUsual, quiet()).cause ==
+        Cause::kComputing);  // kOwnWork is reported for overruns only
   // On its core all the time, as it seems; but 2 x 90 us are the most that its counts explain.
   auto unexplained = delayed_in_solve(1, 500'000);
   unexplained.cpu_ns += 500'000;

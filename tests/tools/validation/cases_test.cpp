@@ -1,5 +1,6 @@
 // Every hard case as a test of its own, at the balanced accuracy and each step that it has:
 // tools/validation.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <string>
 
@@ -9,15 +10,28 @@ using namespace tactus::hard_cases;
 
 namespace {
 
+// A metric is within its tolerance or a known miss, no larger than known; and what is known to miss does.
 void check(const HardCase& one, const Setting& setting) {
   const Outcome outcome = run_twice(one, setting);
+  const bool misses = !one.why_it_fails(setting.step_s).empty();
+  std::size_t missed = 0;
   for (const std::string& gate : outcome.broken_gates) FAIL_CHECK("gate broken: " << gate);
   CHECK_FALSE(outcome.metrics.empty());
   for (const Metric& metric : outcome.metrics) {
     INFO(metric.name << ": " << metric.observed << ", expected " << metric.expected << ", error " << metric.error
                      << " of " << metric.tolerance << " allowed");
-    CHECK(metric.within());
+    const auto known = std::find_if(one.misses.begin(), one.misses.end(),
+                                    [&](const Miss& miss) { return misses && miss.metric == metric.name; });
+    if (known == one.misses.end()) {
+      CHECK(metric.within());
+    } else {
+      ++missed;
+      CHECK_FALSE(metric.within());
+      CHECK(metric.error <= known->most_error);
+    }
   }
+  CHECK(missed == (misses ? one.misses.size() : 0));
+  CHECK(one.misses.empty() == (one.fails_because.empty() && one.fails_in_10_ms_because.empty()));
 }
 
 class CaseInvoker final : public Catch::ITestInvoker {
@@ -38,8 +52,7 @@ bool register_cases() {
       const std::string name = std::to_string(one.number) + " " + std::string(one.name) +
                                (step_s > 5e-3 ? " in steps of 10 ms" : " in steps of 1 ms");
       // The sanitizers have enough with steps of 1 ms.
-      const std::string tags =
-          std::string(one.why_it_fails(step_s).empty() ? "" : "[!shouldfail]") + (step_s > 5e-3 ? "[no-asan]" : "");
+      const std::string tags = step_s > 5e-3 ? "[no-asan]" : "";
       const Catch::AutoReg registered(new CaseInvoker(one, step_s), CATCH_INTERNAL_LINEINFO, Catch::StringRef(),
                                       Catch::NameAndTags(name, tags));
     }

@@ -1,4 +1,4 @@
-// Worlds that nobody would build: thousands of seeds, each within the gates; a seed that fails shrinks to a scene file.
+// Random worlds: thousands of seeds, each within the gates; a seed that fails is reduced to a small scene file.
 #include <catch2/catch.hpp>
 #include <fstream>
 
@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::uint64_t kSeeds = 8000, kLongSeeds = 100'000;
 
-// Of the hundred thousand: rows keep the inertia that a body had when the step began, so a rod or a plate that an
-// impact spins by a good part of a turn in a step is turned by a wrong one.
+// Accepted share of the 100,000 worlds that may break a gate: rows use the inertia at the start of the step, which is
+// wrong for a rod that an impact turns by a large angle.
 constexpr double kMaxSpun = 5e-4;
 
-// What is left of a failing world, where the next person finds it.
+// Reduces a failing world and writes it as a scene file into the working directory. Returns the file's path.
 std::string written(const RandomWorld& world, const std::string& gate) {
   const RandomWorld small = shrink(world, [](const RandomWorld& w) {
     const RandomRun run = run_twice(w);
@@ -28,7 +28,7 @@ std::string written(const RandomWorld& world, const std::string& gate) {
   return path;
 }
 
-// `allowed`: so many may break a gate.
+// `allowed`: the number of worlds that may break a gate.
 void check_seeds(std::uint64_t first, std::uint64_t last, std::uint64_t allowed = 0) {
   std::uint64_t broken = 0;
   for (std::uint64_t seed = first; seed < last; ++seed) {

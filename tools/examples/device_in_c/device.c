@@ -270,9 +270,12 @@ static bool is_unused_register(uint16_t number) {
   return false;
 }
 
-/* What can be read alone. False: there is no such register. */
+/* Registers that can be read only. False: there is no such register. */
 static bool told_register(const struct device* device, uint16_t number, uint32_t* value) {
-  if (number >= 0x0008 && number < 0x0008 + SERIAL_WORDS) return *value = device->serial[number - 0x0008], true;
+  if (number >= 0x0008 && number < 0x0008 + SERIAL_WORDS) {
+    *value = device->serial[number - 0x0008];
+    return true;
+  }
   switch (number) {
     case 0x0000:
       *value = VERSION;
@@ -356,8 +359,14 @@ static int read(struct device* device, uint16_t number, uint32_t* value) {
   uint32_t least, most;
   const float* real = real_register(device, number, &low, &high);
   const uint32_t* whole = whole_register(device, number, &least, &most);
-  if (real != NULL) return *value = as_bits(*real), GOOD;
-  if (whole != NULL) return *value = *whole, GOOD;
+  if (real != NULL) {
+    *value = as_bits(*real);
+    return GOOD;
+  }
+  if (whole != NULL) {
+    *value = *whole;
+    return GOOD;
+  }
   return told_register(device, number, value) ? GOOD : NO_REGISTER;
 }
 

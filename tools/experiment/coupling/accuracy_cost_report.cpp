@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// "one more sub-step buys X % for Y us", of the factor's notch.
+// One line for a step of one factor: change of the force error, of the tick's time, of the global world's time.
 std::string sentence_of(const NotchCost& notch) {
   const auto word = [](double change, const char* more) { return change <= 0 ? "saves" : more; };
   const double error = 100 * (notch.error_after - notch.error_before);

@@ -59,7 +59,8 @@ struct CapacityReport {
 // Error, one line: a scene is refused.
 Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progress& progress);
 
-// Largest number between `least` and `most` for which `fits` is true, by doubling and then bisection to 1/8 octave.
+// Largest number between `least` and `most` for which `fits` is true, by doubling, then bisected to a factor of
+// 2^(1/8).
 // Returns {largest that fits or 0, smallest tried that does not or 0}.
 struct Bracket {
   unsigned fits{0}, too_many{0};

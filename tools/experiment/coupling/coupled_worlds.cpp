@@ -164,6 +164,17 @@ void CoupledWorlds::bodies(std::vector<physics::Body>& all) const {
   }
 }
 
+double CoupledWorlds::springs_J() const noexcept {
+  if (exchanges()) return global_->springs_J();
+  return sim::springs_J(sub_world_->world(), config_.step.contact_hertz, config_.step.slop);
+}
+
+double CoupledWorlds::held_by_border_J() const noexcept {
+  if (!exchanges() || !physics::traits_of(config_.border_mode).has_tank) return 0;
+  return std::max(0.0, global_->statistics().border_work_J - sub_world_->border_work_J() - sub_world_->push_out_J() -
+                           sub_world_->corrected_J());
+}
+
 WorldKeyframe CoupledWorlds::moment(std::uint64_t tick, bool every_bit) const {
   WorldKeyframe moment;
   moment.tick = tick;

@@ -3,8 +3,7 @@
 //
 // A tick that begins a cycle synchronises, and the global world answers at once, so it is never late. The worlds start
 // at rest, or from the state of a run with direct coupling, contact impulses included. Thread: one. Frame: world.
-// Units:
-// SI. Bound: from another run's state at most haptics::kMaxMembers moving bodies.
+// Units: SI. Bound: from another run's state at most haptics::kMaxMembers moving bodies.
 #pragma once
 
 #include <array>
@@ -56,6 +55,11 @@ class CoupledWorlds {
   bool at_synchronisation() const noexcept;
   EnergySample motion() const noexcept;                // at a synchronisation
   void bodies(std::vector<physics::Body>& all) const;  // that move, by id; at a synchronisation
+  // Energy [J] at a synchronisation: of the springs of contacts and joints (sim/energy_balance.h); and what the border
+  // has taken from bodies and not yet given to others. That is 0 if it has given more than it had taken, and for
+  // borders without a tank, whose work in the global world is not counted.
+  double springs_J() const noexcept;
+  double held_by_border_J() const noexcept;
   WorldKeyframe moment(std::uint64_t tick,
                        bool every_bit) const;  // of the direct coupling; without every bit: no `state`
 

@@ -23,13 +23,20 @@ void fields(Io& io, StudyScene& scene) {
 }
 
 template <class Io>
+void fields(Io& io, EnergyBooks& books) {
+  auto& [device, border_work, corrected, tank, spent, global_work, imposed, returned] = books;
+  io(device, border_work, corrected, tank, spent, global_work, imposed, returned);
+}
+
+template <class Io>
 void fields(Io& io, WholeRunRow& row) {
-  auto& [scene, scheme, members, gains, seconds, closed, apart, sub_steps, force_error, by_quarter, force_rms, off,
-         off_most, off_share, drift, deepest, direct_deepest, kinetic, over_work, gain, direct_gain, at_play,
-         direct_kinetic, standing, fallen, stands, border_work, start, end, direct_end] = row;
-  io(scene, scheme, members, gains, seconds, closed, apart, sub_steps, force_error, by_quarter, force_rms, off,
-     off_most, off_share, drift, deepest, direct_deepest, kinetic, over_work, gain, direct_gain, at_play,
-     direct_kinetic, standing, fallen, stands, border_work, start, end, direct_end);
+  auto& [scene, scheme, members, gains, seconds, hand, apart, sub_steps, force_error, by_quarter, force_rms, off,
+         off_most, off_share, drift, deepest, direct_deepest, kinetic, over_work, gain, direct_gain, rise, direct_rise,
+         unexplained, direct_unexplained, at_play, direct_kinetic, standing, fallen, stands, books, start, end,
+         direct_end] = row;
+  io(scene, scheme, members, gains, seconds, hand, apart, sub_steps, force_error, by_quarter, force_rms, off, off_most,
+     off_share, drift, deepest, direct_deepest, kinetic, over_work, gain, direct_gain, rise, direct_rise, unexplained,
+     direct_unexplained, at_play, direct_kinetic, standing, fallen, stands, books, start, end, direct_end);
 }
 
 template <class Io>

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <list>
 
 #include "rt/base/denormals.h"
 #include "sim/model/choice_names.h"
@@ -49,7 +49,8 @@ struct Trace {
   std::vector<haptics::DeviceTarget> target;
   std::vector<std::vector<Body>> poses;  // every kCompareEvery ticks
   std::vector<Body> end;
-  double deepest_m{0}, kinetic_J{0}, kinetic_over_work{0}, gain_J{0}, work_J{0}, border_work_J{0};
+  double deepest_m{0}, kinetic_J{0}, kinetic_over_work{0}, gain_J{0}, rise_J{0}, unexplained_J{0}, work_J{0};
+  EnergyBooks books;
   bool lost{false};
 };
 
@@ -63,6 +64,13 @@ double kinetic_J(std::span<const Body> bodies) {
   double sum = 0;
   for (const auto& body : bodies) sum += kinetic_energy(body);
   return sum;
+}
+
+using Targets = std::span<const haptics::DeviceTarget>;
+
+// Targets of a device that is not engaged.
+std::vector<haptics::DeviceTarget> no_device(double seconds) {
+  return std::vector<haptics::DeviceTarget>(tick_at(seconds));
 }
 
 class WholeRun {
@@ -89,7 +97,7 @@ class WholeRun {
   }
 
   // `targets`: of another run's hand; empty: the run's own arm in the loop.
-  Trace run(const Scheme& scheme, unsigned members, std::span<const haptics::DeviceTarget> targets) const {
+  Trace run(const Scheme& scheme, unsigned members, Targets targets) const {
     const auto chosen = options(scheme, members);
     CoupledWorlds worlds(scene_, chosen, profile_.properties);
     const auto config = session::loop_config(scene_, chosen, profile_.properties);
@@ -100,7 +108,8 @@ class WholeRun {
     worlds.bodies(bodies);
     const double start_J = potential_J(bodies, scene_.gravity_m_per_s2) + kinetic_J(bodies);
     const double start_potential_J = potential_J(bodies, scene_.gravity_m_per_s2);
-    double work_J = 0, work_size_J = 0;
+    double work_J = 0, work_size_J = 0, least_J = start_J, least_with_stores_J = start_J;
+    std::size_t spent_ticks = 0;
     Twistd before = worlds.sub_world().proxy().velocity;
     const std::size_t ticks = tick_at(seconds_);
     for (std::size_t k = 0; k < ticks; ++k) {
@@ -114,12 +123,19 @@ class WholeRun {
         trace.kinetic_J = std::max(trace.kinetic_J, kinetic);
         trace.kinetic_over_work =
             std::max(trace.kinetic_over_work, kinetic / std::max(kMinWork_J, work_size_J + released));
-        trace.gain_J = std::max(trace.gain_J, kinetic + potential - start_J - work_J);
+        const double beyond_work_J = kinetic + potential - work_J;
+        least_J = std::min(least_J, beyond_work_J);
+        least_with_stores_J =
+            std::min(least_with_stores_J, beyond_work_J + worlds.springs_J() + worlds.held_by_border_J());
+        trace.gain_J = std::max(trace.gain_J, beyond_work_J - start_J);
+        trace.rise_J = std::max(trace.rise_J, beyond_work_J - least_J);
+        trace.unexplained_J = std::max(trace.unexplained_J, beyond_work_J - least_with_stores_J);
         if (k % kCompareEvery == 0) trace.poses.push_back(bodies);
       }
       const haptics::SubWorldStep& step = worlds.tick(trace.target.back());
       on_device_ = step.on_device;
       trace.force.push_back(step.on_device.force);
+      if ((step.status & kBorderSpent) != 0) ++spent_ticks;
       trace.deepest_m = std::max(trace.deepest_m, step.report.deepest_m);
       if (!is_finite(on_device_) || norm(on_device_.force) > kLostForce_N) {
         trace.lost = true;
@@ -134,10 +150,20 @@ class WholeRun {
     }
     on_device_ = {};
     worlds.bodies(trace.end);
-    if (worlds.global() != nullptr)
-      trace.deepest_m = std::max(trace.deepest_m, worlds.global()->statistics().deepest_m);
     trace.work_J = work_size_J;
-    trace.border_work_J = worlds.sub_world().border_work_J();
+    const haptics::SubWorld& sub_world = worlds.sub_world();
+    trace.books = {.device_J = work_J,
+                   .border_work_J = sub_world.border_work_J() + sub_world.push_out_J(),
+                   .corrected_J = sub_world.corrected_J(),
+                   .tank_J = sub_world.border_tank_J(),
+                   .spent_share = static_cast<double>(spent_ticks) / static_cast<double>(trace.force.size())};
+    if (worlds.global() != nullptr) {
+      const sim::GlobalStatistics& global = worlds.global()->statistics();
+      trace.deepest_m = std::max(trace.deepest_m, global.deepest_m);
+      trace.books.global_work_J = global.border_work_J;
+      trace.books.imposed_J = global.imposed_energy_J;
+      trace.books.returned_J = global.returned_energy_J;
+    }
     return trace;
   }
 
@@ -210,9 +236,13 @@ WholeRunRow row_of(const WholeRun& whole, const Trace& run, const Trace& direct)
   row.kinetic_over_work = run.kinetic_over_work;
   row.energy_gain_J = run.gain_J;
   row.direct_energy_gain_J = direct.gain_J;
+  row.energy_rise_J = run.rise_J;
+  row.direct_energy_rise_J = direct.rise_J;
+  row.energy_unexplained_J = run.unexplained_J;
+  row.direct_energy_unexplained_J = direct.unexplained_J;
   row.energy_at_play_J = direct.work_J + whole.weight_J();
   row.direct_kinetic_J = direct.kinetic_J;
-  row.border_work_J = run.border_work_J;
+  row.books = run.books;
   return row;
 }
 
@@ -225,23 +255,45 @@ sim::Scene with_gains(sim::Scene scene, const haptics::CouplingGains& gains) {
 class DirectRun {
  public:
   DirectRun(const sim::Scene& scene, const haptics::CouplingGains& gains, const hal::DeviceProfile& profile,
-            const WholeRunRequest& request)
+            const WholeRunRequest& request, bool with_hand = true)
       : gains_(gains),
+        with_hand_(with_hand),
         scene_(with_gains(scene, gains)),
         whole_(scene_, profile, request.seconds, request.order),
-        trace_(whole_.run(kDirectScheme, 0, {})) {}
+        trace_(whole_.run(kDirectScheme, 0, with_hand ? Targets{} : no_device(request.seconds))) {}
   DirectRun(const DirectRun&) = delete;  // whole_ refers to scene_
   DirectRun& operator=(const DirectRun&) = delete;
 
   const haptics::CouplingGains& gains() const { return gains_; }
+  bool with_hand() const { return with_hand_; }
   const WholeRun& whole() const { return whole_; }
   const Trace& trace() const { return trace_; }
 
  private:
   haptics::CouplingGains gains_;
+  bool with_hand_;
   sim::Scene scene_;
   WholeRun whole_;
   Trace trace_;
+};
+
+// The references of one scene: each is run when it is asked for first.
+class DirectRuns {
+ public:
+  DirectRuns(const sim::Scene& scene, const hal::DeviceProfile& profile, const WholeRunRequest& request)
+      : scene_(scene), profile_(profile), request_(request) {}
+
+  const DirectRun& of(const haptics::CouplingGains& gains, bool with_hand) {
+    for (const DirectRun& run : runs_)
+      if (run.gains() == gains && run.with_hand() == with_hand) return run;
+    return runs_.emplace_back(scene_, gains, profile_, request_, with_hand);
+  }
+
+ private:
+  const sim::Scene& scene_;
+  const hal::DeviceProfile& profile_;
+  const WholeRunRequest& request_;
+  std::list<DirectRun> runs_;  // their addresses stay
 };
 
 // The direct run of `other` beside the direct run `own`.
@@ -268,6 +320,18 @@ void add_floor(const sim::Scene& scene, const DirectRun& own, const hal::DeviceP
 }
 
 }  // namespace
+
+std::string_view name_of(WholeRunHand hand) noexcept {
+  switch (hand) {
+    case WholeRunHand::kClosed:
+      return "closed";
+    case WholeRunHand::kDirect:
+      return "direct";
+    case WholeRunHand::kNone:
+      return "none";
+  }
+  return {};
+}
 
 sim::Scene with_finer_steps(sim::Scene scene, unsigned times) {
   scene.solver.sub_steps *= times;
@@ -305,31 +369,29 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
     const auto profile = session::find_description(scene.device.profile, {});
     if (!profile.ok()) return profile.status();
     pace.say(fmt::format("scene {}, direct", scene.name), done);
-    const DirectRun own(scene, scene.coupling, profile.value(), request);
+    const WholeRun whole(scene, profile.value(), request.seconds, request.order);
+    DirectRuns direct_runs(scene, profile.value(), request);
+    if (request.floor) add_floor(scene, direct_runs.of(scene.coupling, true), profile.value(), request, rows);
     done += static_cast<double>(scene.bodies.size() * (request.floor ? 4 : 1));
-    if (request.floor) add_floor(scene, own, profile.value(), request, rows);
     for (const unsigned members : request.members)
       for (const Scheme& scheme : request.schemes) {
         pace.say(fmt::format("scene {}, ratio {}", scene.name, scheme.ratio), done);
-        const session::RunOptions options = own.whole().options(scheme, members);
+        const session::RunOptions options = whole.options(scheme, members);
         const haptics::DeviceProperties& device = profile.value().properties;
         if (!scheme.direct()) {
           const Status status = sim::check_global_options(scene, session::global_options(scene, options, device));
           if (!status.ok()) return status;
         }
         const haptics::CouplingGains gains = session::gains_of(scene, options, device).gains;
-        std::optional<DirectRun> softer;
-        if (!(gains == own.gains())) softer.emplace(scene, gains, profile.value(), request);
-        const DirectRun& direct = softer ? *softer : own;
-        for (const bool closed : {true, false}) {
-          if (!closed && !request.hand_of_direct) continue;
-          const auto targets = closed ? std::span<const haptics::DeviceTarget>() : std::span(direct.trace().target);
+        for (const WholeRunHand hand : request.hands) {
+          const DirectRun& direct = direct_runs.of(gains, hand != WholeRunHand::kNone);
+          const auto targets = hand == WholeRunHand::kClosed ? Targets{} : Targets{direct.trace().target};
           Trace run = direct.whole().run(scheme, members, targets);
           WholeRunRow row = row_of(direct.whole(), run, direct.trace());
           row.scene = scene.name;
           row.scheme = scheme;
           row.seconds = request.seconds;
-          row.closed_hand = closed;
+          row.hand = hand;
           row.members = members > 0 ? members : scene.members;
           row.gains = gains;
           if (request.keep_bodies) {

@@ -38,8 +38,19 @@ constexpr CsvColumn kWholeColumns[] = {
     {"kinetic_over_work [1]", "kinetic_over_work"},
     {"energy_gain [J]", "energy_gain_J"},
     {"direct_energy_gain [J]", "direct_energy_gain_J"},
+    {"energy_rise [J]", "energy_rise_J"},
+    {"direct_energy_rise [J]", "direct_energy_rise_J"},
+    {"energy_unexplained [J]", "energy_unexplained_J"},
+    {"direct_energy_unexplained [J]", "direct_energy_unexplained_J"},
     {"energy_at_play [J]", "energy_at_play_J"},
+    {"device_work [J]", "device_work_J"},
     {"border_work [J]", "border_work_J"},
+    {"corrected [J]", "corrected_J"},
+    {"border_tank [J]", "border_tank_J"},
+    {"border_spent_share [1]", "border_spent_share"},
+    {"global_border_work [J]", "global_border_work_J"},
+    {"imposed [J]", "imposed_J"},
+    {"returned [J]", "returned_J"},
     {"fallen [1]", "fallen"},
     {"stands", "stands"},
 };
@@ -54,21 +65,22 @@ std::string name_of_run(const WholeRunRow& row) {
 
 std::string whole_table(std::span<const WholeRunRow> rows) {
   std::string text = fmt::format(
-      "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7}\n",
+      "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6} {:>6} {:>10} {:>27} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>7} "
+      "{:>7}\n",
       "scene", "coupling", "border", "ratio", "members", "K N/m", "hand", "force err%", "by quarter %", "off mm",
-      "most mm", "of size%", "drift mm", "deep mm", "Ekin/work", "gain %", "stands");
+      "most mm", "of size%", "drift mm", "deep mm", "Ekin/work", "gain %", "spent %", "stands");
   for (const WholeRunRow& r : rows) {
     std::string quarters;
     for (const double q : r.force_error_quarter) quarters += fmt::format(" {:>6.2f}", 100 * q);
     text += fmt::format(
         "{:<16} {:<13} {:<8} {:>5} {:>7} {:>6.0f} {:>6} {:>10.2f} {:>27} {:>9.3f} {:>9.3f} {:>8.2f} {:>9.4f} {:>9.3f} "
         "{:>9.3f} "
-        "{:>9.3f} {:>7}\n",
+        "{:>9.3f} {:>7.2f} {:>7}\n",
         r.scene, name_of_run(r), name_of_border(r.scheme), r.scheme.ratio, r.members, r.gains.stiffness_N_per_m,
-        r.closed_hand ? "closed" : "direct", 100 * r.force_error, quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m,
+        name_of(r.hand), 100 * r.force_error, quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m,
         100 * r.pose_off_share, 1e3 * r.drift_m, 1e3 * r.deepest_m, r.kinetic_over_work,
-        100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J,
-        r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
+        r.energy_at_play_J > 0 ? 100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J : 0.0,
+        100 * r.books.spent_share, r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
   }
   return text;
 }
@@ -91,7 +103,7 @@ ordered_json whole_rows_json(std::span<const WholeRunRow> rows) {
     one["seconds"] = row.seconds;
     one["started_apart_m"] = row.apart_m;
     one["sub_steps_times"] = row.sub_steps_times;
-    one["hand"] = row.closed_hand ? "closed" : "direct";
+    one["hand"] = name_of(row.hand);
     one["force_error"] = row.force_error;
     one["force_error_by_quarter"] = row.force_error_quarter;
     one["force_rms_N"] = row.force_rms_N;
@@ -105,8 +117,19 @@ ordered_json whole_rows_json(std::span<const WholeRunRow> rows) {
     one["kinetic_over_work"] = row.kinetic_over_work;
     one["energy_gain_J"] = row.energy_gain_J;
     one["direct_energy_gain_J"] = row.direct_energy_gain_J;
+    one["energy_rise_J"] = row.energy_rise_J;
+    one["direct_energy_rise_J"] = row.direct_energy_rise_J;
+    one["energy_unexplained_J"] = row.energy_unexplained_J;
+    one["direct_energy_unexplained_J"] = row.direct_energy_unexplained_J;
     one["energy_at_play_J"] = row.energy_at_play_J;
-    one["border_work_J"] = row.border_work_J;
+    one["device_work_J"] = row.books.device_J;
+    one["border_work_J"] = row.books.border_work_J;
+    one["corrected_J"] = row.books.corrected_J;
+    one["border_tank_J"] = row.books.tank_J;
+    one["border_spent_share"] = row.books.spent_share;
+    one["global_border_work_J"] = row.books.global_work_J;
+    one["imposed_J"] = row.books.imposed_J;
+    one["returned_J"] = row.books.returned_J;
     one["fallen"] = row.fallen;
     one["stands"] = row.stands;
     list.push_back(std::move(one));

@@ -38,7 +38,8 @@ struct Options {
   std::string reach{"two-cycles"};
   /// `fast`: half of the scene's members and sub-steps; `balanced`: the scene's; `accurate`: twice both.
   std::string accuracy{"balanced"};
-  /// Precision of the global world: `double`, or `mixed` (contacts solved in single precision).
+  /// Precision of the global world: `double`, or `mixed` (with more than 200 moving bodies contacts are solved in
+  /// single precision).
   std::string world_precision{"mixed"};
 
   double rate_Hz{1000};  ///< ticks a second, 100 to 10000

@@ -1,5 +1,5 @@
-// The truth behind the stand-in for Force Dimension's library, and its faults. Fields are read and written by the
-// test's thread and the library's: each is atomic by itself.
+// State of the stand-in for Force Dimension's library, and its faults. Fields are read and written by the test's thread
+// and the library's: each is atomic by itself.
 #pragma once
 
 #include <atomic>
@@ -12,13 +12,13 @@ struct StandIn {
   std::atomic<unsigned> stops{0}, closed{0}, exchanges{0};
   std::atomic<int> time_guard_us{-1}, watchdog_steps{-1}, serial_asked{-1};
   std::atomic<int> major{3}, minor{17};
-  std::atomic<bool> says_nothing{false};    // no text where one is due
-  std::atomic<bool> refuses_expert{false};  // expert mode, watchdog, time guard
-  std::atomic<bool> hangs{false};           // a reading, until it is false again
+  std::atomic<bool> says_nothing{false};    // returns no text where the interface has one
+  std::atomic<bool> refuses_expert{false};  // refuses expert mode, watchdog and time guard
+  std::atomic<bool> hangs{false};           // a reading does not return until this is false
   std::atomic<double> turn_rad{0};
-  std::atomic<double> hand_z_m{0};  // where the spring that holds the mass ends
+  std::atomic<double> hand_z_m{0};  // end of the spring that holds the mass
   std::atomic<double> force_N[6]{};
-  double position_m[3]{}, speed_m_per_s[3]{};  // of the library's thread alone
+  double position_m[3]{}, speed_m_per_s[3]{};  // used by the library's thread only
 };
 
 extern "C" StandIn* stand_in();

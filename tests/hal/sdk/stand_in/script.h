@@ -1,6 +1,6 @@
-// A fault of a stand-in by the environment, for whole programs: TACTUS_STAND_IN_FAULT is KIND@MOMENT. From its moment
-// on the fault stays. TACTUS_STAND_IN_END names a file that says, when the device is closed, whether its forces were
-// on.
+// Faults of a stand-in for whole programs, set by the environment: TACTUS_STAND_IN_FAULT is KIND@MOMENT; the fault
+// begins at the moment and stays. TACTUS_STAND_IN_END names a file into which the stand-in writes, when the device is
+// closed, whether its forces were on.
 #pragma once
 
 #include <cstdio>
@@ -9,8 +9,8 @@
 
 namespace stand_in_script {
 
-// `on`: the forces are; `pushes`: they are more than nothing. True once, at the moment: at rest after some exchanges,
-// when the forces are switched on, or when there is a force.
+// begins(): true once, at the moment: `rest`, after kCalls exchanges; `on`, when the forces are on; else when the force
+// is above 0.
 class Script {
  public:
   bool begins(bool on, bool pushes) {
@@ -22,7 +22,7 @@ class Script {
   static std::string_view kind() { return text().substr(0, text().find('@')); }
 
  private:
-  static constexpr unsigned kCalls = 400;  // more than those of the start
+  static constexpr unsigned kCalls = 400;  // more than the start makes
   static std::string_view text() {
     const char* const found = std::getenv("TACTUS_STAND_IN_FAULT");
     return found != nullptr ? found : "";

@@ -123,7 +123,7 @@ TEST_CASE("A correction of the proxy moves it against the device's spring, whose
   CHECK(bench.sub_world.proxy() == bench.motion(kProxy));
 }
 
-TEST_CASE("A snapshot after a reset corrects nobody") {
+TEST_CASE("A snapshot after a reset has no corrections") {
   Bench bench = bench_of_balls();
   bench.next_with({ball(1, {}), ball(2, {1, 0, 0})});
   bench.snapshot->epoch = 1;

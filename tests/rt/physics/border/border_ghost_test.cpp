@@ -119,16 +119,49 @@ TEST_CASE("A deep overlap pushes as hard against a ghost as against the outside 
   CHECK(opens_under(1.02) < 0);
 }
 
+TEST_CASE("Work of the border and of the push-out is what a load gains in energy as it sinks, rises or lands") {
+  const double gap = GENERATE(0.0, -5e-4, 1e-3), admittance = GENERATE(0.0, 2.0);
+  GhostBench b({SymMat3d::identity(admittance), {}, {}});
+  b.bench.settings.gravity = {-9.81, 0, 0};
+  b.ghost().drive.linear = {kMass * 9.81 * admittance, 0, 0};
+  b.contact().gap = gap;
+  const auto energy_J = [&] {
+    return b.bench.world.kinetic_energy() + b.bench.world.potential_energy(b.bench.settings.gravity);
+  };
+  double pushed_J = 0;
+  for (int k = 0; k < 100; ++k) {
+    const double before_J = energy_J(), worked_J = b.contact().work;
+    b.bench.step();
+    pushed_J += std::abs(b.bench.report.push_out_J);
+    REQUIRE(b.contact().work - worked_J + b.bench.report.push_out_J ==
+            Approx(energy_J() - before_J).epsilon(1e-9).margin(1e-12));
+  }
+  CHECK(pushed_J > 1e-6);
+}
+
 TEST_CASE("With an empty tank a ghost still carries a load") {
   GhostBench b({});
   const double load = 9;
   for (int k = 0; k < 1000; ++k) {
-    b.bench.world.border_rule.budget_J = 0;
+    b.bench.world.border_rule.available_J = 0;
     b.pull({-load, 0, 0});
     b.bench.step();
   }
   CHECK(std::abs(b.contact().gap) < 1e-8);
   CHECK(b.contact().step_normal_impulse == Approx(load * b.bench.settings.dt).epsilon(1e-6));
+}
+
+TEST_CASE("With an empty tank a ghost that slides carries a load, and its friction does not move it") {
+  GhostBench b({}, 0.5);
+  b.bench.settings.gravity = {-9.81, 0, 0};
+  for (int k = 0; k < 200; ++k) {
+    b.bench.world.border_rule.available_J = 0;
+    b.ghost().velocity.linear = {0, 0.5, 0};
+    b.bench.step();
+    REQUIRE(std::abs(b.velocity().x) < 3 * 9.81 * b.bench.h());
+  }
+  CHECK(std::abs(b.velocity().y) < 1e-3);
+  CHECK(std::abs(b.contact().gap) < 1e-4);
 }
 
 TEST_CASE("A hand that pushes a member feels the mass of all that moves with the ghost") {

@@ -131,7 +131,7 @@ TEST_CASE("A ghost that may not give does no work on a body through a joint") {
   one.add_ghost();
   one.world.border_ghosts()[0].velocity.linear = {0, 2, 0};
   const bool may_give = GENERATE(true, false);
-  one.world.border_rule.budget_J = may_give ? 1 : 0;
+  one.world.border_rule.available_J = may_give ? 1 : 0;
   one.step(10);
   if (may_give)
     CHECK(one.border_J > 0.01);
@@ -184,7 +184,7 @@ TEST_CASE("With an empty tank a ghost still holds what hangs on it") {
   const auto kind = GENERATE(JointKind::kFixed, JointKind::kBall, JointKind::kDistance);
   CAPTURE(static_cast<int>(kind));
   HangingBench b(kind);
-  b.world.border_rule.budget_J = 0;
+  b.world.border_rule.available_J = 0;
   b.step(1000);
   CHECK(std::abs(b.sag()) < 1e-6);
 }

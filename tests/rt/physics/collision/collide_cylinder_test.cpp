@@ -270,14 +270,20 @@ TEST_CASE("The wheels of an axle roll as a cylinder does, and a wheel beside the
   axle.bounding_radius = 0.07;
   const std::vector<Compound> list{axle};
   const Body body = make_dynamic_body(1, compound_shape(list[0], 0), 0.3, 0.5, {{0, 0, 0.03}, upright});
-  CHECK(touches_on_side(body, 0, list, {0, 0, 1}));
-  CHECK(touches_on_side(body, 1, list, {0, 0, 1}));
-  CHECK_FALSE(touches_on_side(body, 0, list, {0, 1, 0}));  // on its flat end
+  const auto touch_along = [](const Vec3d& normal) {
+    Manifold touch;
+    touch.normal = normal;
+    touch.count = 2;
+    return touch;
+  };
+  CHECK(touches_on_side(body, 0, list, touch_along({0, 0, 1})));
+  CHECK(touches_on_side(body, 1, list, touch_along({0, 0, 1})));
+  CHECK_FALSE(touches_on_side(body, 0, list, touch_along({0, 1, 0})));  // on its flat end
   const std::vector<CompoundPart> aside{{wheel, {{0.1, 0, 0}, {}}}};
   Compound beside = axle;
   beside.parts = aside;
   const std::vector<Compound> other{beside};
-  CHECK_FALSE(touches_on_side(body, 0, other, {0, 0, 1}));
+  CHECK_FALSE(touches_on_side(body, 0, other, touch_along({0, 0, 1})));
 }
 
 TEST_CASE("Cylinders stand on each other, a cone on its base, and a cone that lies on its side") {

@@ -75,7 +75,7 @@ Manifold touch(const Pair& p, AxisCache cache = {}) {
   return collide({p.a, p.pose_a}, {p.b, p.pose_b}, {.margin = kMargin}, cache, p.hulls);
 }
 
-// Of each kind at least a tenth touch: a check that judges only those judges some.
+// Requires that at least 10 % of the pairs of each kind touch, so that a check on touching pairs is not empty.
 template <class Check>
 void for_random_pairs(std::uint32_t seed, int count, Check check) {
   using enum ShapeKind;

@@ -45,7 +45,7 @@ Manifold touch(const Pair& p, double margin = kMargin) {
   return physics::support::touch(p.a, p.pose_a, p.b, p.pose_b, margin);
 }
 
-// Of each two kinds at least a tenth touch: a check that judges only those judges some.
+// Requires that at least 10 % of the pairs of each two kinds touch, so that a check on touching pairs is not empty.
 template <class Check>
 void for_random_pairs(std::uint32_t seed, int count, Check check) {
   for (const auto& [kind_a, kind_b] : kKinds) {

@@ -55,7 +55,7 @@ inline double distance(const Vec3d& point, const Segment& s) {
   return norm(s.from + along * t - point);
 }
 
-// Ternary search of a convex function: slow, and nothing to get wrong.
+// Ternary search of a convex function, simple rather than fast.
 inline double distance(const Segment& a, const Segment& b) {
   double low = 0, high = 1;  // each round leaves two thirds: 60 rounds leave 3e-11 of the segment
   for (int i = 0; i < 60; ++i) {

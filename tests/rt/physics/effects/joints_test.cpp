@@ -84,6 +84,21 @@ TEST_CASE("A fixed joint carries a cantilever: force m g, torque m g L, sunk by 
   CHECK(norm(bench.motion(1).velocity.linear) < 1e-6);
 }
 
+TEST_CASE("Under a hanging weight the spring of a joint, and that of a limit, store (m g)^2 / (2 m w^2)") {
+  Joint slider = joint_of(JointKind::kSlider, kNoBody, 1, {{0, 0, 1}, {}}, {});  // along z, the weight on its limit
+  slider.limited = true;
+  slider.high = 1;
+  for (const Joint& joint : {joint_of(JointKind::kBall, kNoBody, 1, {{0, 0, 1}, {}}, {}), slider}) {
+    JointBench bench({joint});
+    bench.add_cube(1, {0, 0, 1});
+    const auto springs_J = [&] { return bench.world->joint_springs_J(bench.settings.contact_hertz); };
+    CHECK(springs_J() == 0);
+    bench.run_seconds(2);
+    const double omega = 2 * kPi * bench.settings.contact_hertz;
+    CHECK(springs_J() == Approx(kMass * kGravity * kGravity / (2 * omega * omega)).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("A ball joint makes a pendulum with the period of a physical pendulum") {
   const double length = 0.5, angle = 0.02;
   JointBench bench({joint_of(JointKind::kBall, kNoBody, 1, {{0, 0, 2}, {}}, {{0, 0, length}, {}})});
@@ -320,7 +335,7 @@ TEST_CASE("What joints hold is saved and restored: the same bits follow, broken 
   CHECK_FALSE(other.world->restore(cut));
 }
 
-TEST_CASE("A joint whose other body is another world's holds on to where that one goes") {
+TEST_CASE("A joint to a body of another world follows that body's motion") {
   const std::vector<Joint> links{joint_of(JointKind::kBall, 1, 2, {{0.1, 0, 0}, {}}, {{-0.1, 0, 0}, {}})};
   JointBench whole(links), part(links);
   for (JointBench* bench : {&whole, &part}) bench->settings.gravity = {};

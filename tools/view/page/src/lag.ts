@@ -36,7 +36,15 @@ export class Lag {
       const row = ticks.row(this.from);
       if (![0, 1, 2].some((axis) => !(row[kTarget + axis]! >= this.low[axis]! && row[kTarget + axis]! <= this.high[axis]!))) continue;
       const back_ms = 1e3 * ticks.period_s * (ticks.count - 1 - this.from);
-      this.toTick_ms.push(now_ms - 1e-3 * tickAge_us - back_ms - this.began_ms);
+      const toTick_ms = now_ms - 1e-3 * tickAge_us - back_ms - this.began_ms;
+      if (toTick_ms < 0) { // ran before the event: the tool moved by itself
+        for (const axis of [0, 1, 2]) {
+          this.low[axis] = Math.min(this.low[axis]!, row[kTarget + axis]! - kLeast_m);
+          this.high[axis] = Math.max(this.high[axis]!, row[kTarget + axis]! + kLeast_m);
+        }
+        continue;
+      }
+      this.toTick_ms.push(toTick_ms);
       this.toPage_ms.push(now_ms - this.began_ms);
       this.began_ms = NaN;
       return;

@@ -4,7 +4,7 @@
 
 using namespace tactus::experiment;
 
-TEST_CASE("The capacity is found to an eighth of an octave") {
+TEST_CASE("The capacity is found to a factor of 2^(1/8)") {
   for (const unsigned truth : {30u, 100u, 333u, 2000u, 7777u}) {
     const Bracket found = find_capacity(25, 20000, [truth](unsigned bodies) { return bodies <= truth; });
     CHECK(found.fits <= truth);

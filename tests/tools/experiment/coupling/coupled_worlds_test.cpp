@@ -113,7 +113,7 @@ TEST_CASE("Planes hold the hand as the bodies do that they stand for, and the bo
   }
 }
 
-TEST_CASE("An arm that nobody pushes stays, and a force moves it after the device's delay, not before") {
+TEST_CASE("An arm without force stays, and a force moves it after the device's delay, not before") {
   Bench bench;
   bench.scene.hand.path.resize(1);
   auto arm = bench.arm();

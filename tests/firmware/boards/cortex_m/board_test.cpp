@@ -180,7 +180,7 @@ TEST_CASE("a period that the counter cannot hold is refused") {
   CHECK(timer.reload == longest - 1);
 }
 
-TEST_CASE("what the board stores is what it loads, and a memory that nobody wrote holds nothing") {
+TEST_CASE("the board loads what it stored, and nothing from a memory that was never written") {
   std::mt19937_64 random(2);
   std::array<std::byte, kConfigBlockSize> buffer{};
   for (int i = 0; i < 200; ++i) {
