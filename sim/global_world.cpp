@@ -35,16 +35,14 @@ unsigned haptic_sub_steps_of(const Scene& scene, const GlobalOptions& options) n
   return options.haptic_sub_steps != 0 ? options.haptic_sub_steps : scene.solver.sub_steps;
 }
 
-// The sub-steps of the global step may be longer than those of the haptic thread: more relax sweeps may be needed.
-physics::StepSettings settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
+GlobalStep global_step_for(const Scene& scene, const GlobalOptions& options) noexcept {
   const bool ghosts = traits_of(options.coupling).border && traits_of(options.border_mode).ghosts;
-  const unsigned ratio = options.reach.ratio;
-  physics::StepSettings settings =
-      step_settings(scene, ratio * options.reach.tick_period_s,
-                    global_sub_steps(scene, ratio, haptic_sub_steps_of(scene, options), ghosts));
-  settings.relax_sweeps = std::max(
-      settings.relax_sweeps, physics::least_relax_sweeps(settings.contact_hertz, settings.dt / settings.sub_steps));
-  return settings;
+  return global_step(scene, options.reach.ratio, haptic_sub_steps_of(scene, options), ghosts);
+}
+
+physics::StepSettings settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
+  return step_settings(scene, options.reach.ratio * options.reach.tick_period_s,
+                       global_step_for(scene, options).sub_steps);
 }
 
 SleepRule sleep_rule_for(const Scene& scene, const GlobalOptions& options, double step_s) noexcept {
@@ -81,6 +79,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       options_(options),
       coupling_(traits_of(options.coupling)),
       border_(traits_of(options.border_mode)),
+      tick_by_tick_(global_step_for(scene, options).tick_by_tick),
       settings_(settings_for(scene, options)),
       bounds_settings_(settings_),
       world_(world_of(scene, options)),
@@ -109,10 +108,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     }
   }
   regions_.resize(devices_.size());
-  // Unless the scene asks for fewer, coarse islands have as many: an island that changes between the two would creep.
-  if (scene.solver.far_sub_steps_per_tick > 0 &&
-      scene.solver.far_sub_steps_per_tick < scene.solver.global_sub_steps_per_tick)
-    bounds_settings_.sub_steps = scene.solver.far_sub_steps(options.reach.ratio);
+  bounds_settings_.sub_steps = global_step_for(scene, options).far_sub_steps;
   statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
   statistics_.energy.complete = coupling_.border && devices_.size() == 1 && energy_balance_is_complete(scene);
@@ -396,6 +392,7 @@ void GlobalWorld::add_border_work() noexcept {
 // the last macro step), and one for a large world, since every further macro step costs as much again. The speed of
 // members counts only with ghosts: else their motion in the sub-world replaces that of the step.
 std::uint32_t GlobalWorld::macro_steps_of_step() noexcept {
+  if (tick_by_tick_) return options_.reach.ratio;
   if (islands_.awake().size() > kMaxBodiesInMacroSteps) return 1;
   for (const Device& device : devices_)
     if (device.has_border && !border_.ghosts) return 1;

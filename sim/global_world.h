@@ -241,6 +241,7 @@ class GlobalWorld {
   GlobalOptions options_;
   haptics::CouplingTraits coupling_;
   physics::BorderTraits border_;
+  bool tick_by_tick_;          // GlobalStep
   WorkerPool* pool_{nullptr};  // null: the work is not shared
   bool stepped_{false};        // at least one step since the scene's start or reset
   double macro_step_s_{0};     // s: length of the last macro step; the contacts' impulses are over it

@@ -320,7 +320,7 @@ SceneReport report_on(const Scene& scene, const haptics::DeviceProperties& devic
   report.capacity.sub_world_contacts =
       static_cast<unsigned>(std::ceil(report.capacity.contacts_per_body * report.capacity.members_possible));
   report.capacity.global_contacts = capacities_for(scene).contacts;
-  report.capacity.global_sub_steps = global_sub_steps(scene, scene.ratio, scene.solver.sub_steps, true);
+  report.capacity.global_sub_steps = global_step(scene, scene.ratio, scene.solver.sub_steps, true).sub_steps;
   find_problems(scene, device.has_rotation, report);
   return report;
 }

@@ -24,7 +24,31 @@ TEST_CASE("a small scene's global step is in double, and with ghosts as fine as 
   CHECK(sweep_precision(small, SweepPrecision::kFull) == SweepPrecision::kFull);
   CHECK(sweep_precision(large, SweepPrecision::kSingle) == SweepPrecision::kSingle);
   CHECK(sweep_precision(large, SweepPrecision::kFull) == SweepPrecision::kFull);
-  CHECK(global_sub_steps(small, 8, 4, true) == 32);
-  CHECK(global_sub_steps(small, 8, 4, false) == small.solver.global_sub_steps(8));
-  CHECK(global_sub_steps(large, 8, 4, true) == large.solver.global_sub_steps(8));
+  CHECK(global_step(small, 8, 4, true).sub_steps == 32);
+  CHECK(global_step(small, 8, 4, true).tick_by_tick);
+  CHECK(global_step(small, 8, 4, false).sub_steps == small.solver.global_sub_steps(8));
+  CHECK_FALSE(global_step(small, 8, 4, false).tick_by_tick);
+  CHECK(global_step(large, 8, 4, true).sub_steps == large.solver.global_sub_steps(8));
+  CHECK_FALSE(global_step(large, 8, 4, true).tick_by_tick);
+}
+
+TEST_CASE("a small scene's global step with ghosts has a whole number of sub-steps a tick, no fewer than asked for") {
+  Scene scene = scene_of(1);
+  scene.solver.global_sub_steps_per_tick = 4.5;
+  CHECK(global_step(scene, 8, 4, true).sub_steps == 40);
+  CHECK(global_step(scene, 8, 6, true).sub_steps == 48);
+  CHECK(global_step(scene, 8, 6, true).far_sub_steps == 48);
+  scene.solver.far_sub_steps_per_tick = 0.5;
+  CHECK(global_step(scene, 8, 6, true).far_sub_steps == 8);
+  CHECK(global_step(scene, 8, 6, false).far_sub_steps == 4);
+}
+
+TEST_CASE("a step has the relax sweeps that stacks need to come to rest, whatever world takes it") {
+  Scene scene = scene_of(1);
+  scene.solver.contact_hertz = 1000;  // w h = 1.6
+  CHECK(step_settings(scene, 1e-3, 4).relax_sweeps == 2);
+  CHECK(step_settings(scene, 8e-3, 32).relax_sweeps == 2);
+  CHECK(step_settings(scene, 1e-3, 8).relax_sweeps == 1);
+  scene.solver.relax_sweeps = 3;
+  CHECK(step_settings(scene, 1e-3, 4).relax_sweeps == 3);
 }
