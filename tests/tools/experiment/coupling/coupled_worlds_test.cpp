@@ -65,6 +65,64 @@ TEST_CASE("A sub-world that has all bodies goes on from a moment as the direct r
   CHECK(sub_world.sub_world().members() == 2);
 }
 
+TEST_CASE("In a small scene, bodies that nothing connects to a member move as in the direct run, bit by bit") {
+  Bench bench;
+  const std::string falling = R"(
+[[body]]
+shape = "box"
+size_m = [0.04, 0.05, 0.06]
+mass_kg = 0.3
+friction = 0.4
+position_m = [1, 0.002, 0.05]
+rotation_vector_rad = [0.2, 0.1, 0]
+[[body]]
+shape = "capsule"
+radius_m = 0.01
+length_m = 0.05
+mass_kg = 0.05
+friction = 0.3
+position_m = [1.01, 0, 0.12]
+rotation_vector_rad = [1.2, 0, 0]
+[[body]]
+shape = "sphere"
+radius_m = 0.004
+mass_kg = 0.01
+friction = 0.6
+position_m = [0.5, 0, 0.004]
+velocity_m_per_s = [0.4, 0.3, 0]
+[[body]]
+shape = "box"
+size_m = [0.1, 0.02, 0.1]
+mass_kg = 2
+friction = 0.5
+position_m = [0.7, 0.1, 0.05]
+)";
+  std::string text = test::kPressScene;
+  text.insert(text.find("[hand]"), falling.substr(1));
+  bench.scene = test::scene_text(text);
+  auto direct = bench.worlds(CouplingScheme::kDirect), sub_world = bench.worlds(CouplingScheme::kSubWorld);
+  direct.start_at_rest();
+  sub_world.start_at_rest();
+  auto hand = bench.arm();
+  std::vector<physics::Body> in_direct, in_sub_world;
+  bool same = true;
+  for (int k = 0; k < 1600; ++k) {
+    if (sub_world.at_synchronisation()) {
+      direct.bodies(in_direct);
+      sub_world.bodies(in_sub_world);
+      for (std::size_t i = 2; i < in_direct.size(); ++i) same = same && in_direct[i].motion == in_sub_world[i].motion;
+    }
+    const haptics::DeviceTarget target = hand.encoded();
+    const Wrenchd on_device = direct.tick(target).on_device;
+    sub_world.tick(target);
+    hand.advance(on_device);
+  }
+  CHECK(same);
+  CHECK(in_direct.size() == 6);
+  CHECK(sub_world.sub_world().members() == 2);
+  CHECK(norm(in_direct[4].motion.pose.position - Vec3d{0.5, 0, 0.004}) > 0.2);  // the ball rolled, to the upright box
+}
+
 TEST_CASE("A proxy a micrometre away is felt by the stiffness of the coupling") {
   const Bench bench;
   const ReferenceRun reference = bench.reference();
