@@ -95,10 +95,10 @@ class World {
   // Impulses for the next step, by pair and feature; those of unknown pairs are kept until the next step finds the
   // pair.
   bool add_warm_start(const WarmStart& warm_start) noexcept { return contacts_.add_warm_start(warm_start); }
-  // Replaces the impulses with which the pair's contact starts the next step, in sub-steps of `sub_step_s`. False if
-  // the pair has no contact.
-  bool set_impulses(const WarmStart& given, double sub_step_s) noexcept {
-    return contacts_.set_impulses(given, sub_step_s);
+  // Continues a contact of another world: the axis along which the pair touches and its impulses, in sub-steps of
+  // `sub_step_s`, replace what the next step would start from. False if the list is full.
+  bool continue_contact(const WarmStart& given, double sub_step_s) noexcept {
+    return contacts_.continue_contact(given, sub_step_s);
   }
   // The contact's impulses, in the form in which another world takes them.
   static WarmStart warm_start_of(const Contact& contact, double sub_step_s) noexcept;

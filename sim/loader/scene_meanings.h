@@ -36,12 +36,14 @@ inline constexpr Meaning kMeanings[] = {
     {"[simulation]", "ratio", "ticks of the haptic loop in one step of the global world", ""},
     {"[simulation]", "members", "most bodies of the haptic sub-world, the proxy included", ""},
     {"[simulation]", "sub_steps", "sub-steps of a tick in the haptic sub-world", ""},
-    {"[simulation]", "relax_sweeps", "sweeps without bias after each sub-step in the haptic sub-world", ""},
+    {"[simulation]", "relax_sweeps",
+     "sweeps without bias after each sub-step; at least 2 where contact_hertz_Hz times the sub-step exceeds 0.2", ""},
     {"[simulation]", "friction_sweeps",
      "friction in the relax sweep or in every sweep; auto: in every sweep where there are two relax sweeps or more",
      ""},
     {"[simulation]", "global_sub_steps_per_tick",
-     "sub-steps of the global world for each tick; may be a fraction; at least sub_steps in a scene of up "
+     "sub-steps of the global world for each tick; may be a fraction; a whole number, at least sub_steps, in a scene "
+     "of up "
      "to 200 moving bodies",
      ""},
     {"[simulation]", "far_sub_steps_per_tick",

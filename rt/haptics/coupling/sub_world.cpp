@@ -147,8 +147,7 @@ void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
 
 // A contact that is not here yet, such as a joiner's, takes the impulses when the next step finds it.
 void SubWorld::adopt_impulses(const WorldSnapshot& snapshot) noexcept {
-  for (const auto& given : snapshot.warm_starts)
-    if (!world_.set_impulses(given, last_sub_step_s())) world_.add_warm_start(given);
+  for (const auto& given : snapshot.warm_starts) world_.continue_contact(given, last_sub_step_s());
 }
 
 void SubWorld::adopt_border(const WorldSnapshot& snapshot) noexcept {

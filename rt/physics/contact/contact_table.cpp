@@ -358,11 +358,19 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
   warm_starts_.clear();
 }
 
-bool ContactTable::set_impulses(const WarmStart& given, double sub_step) noexcept {
+bool ContactTable::continue_contact(const WarmStart& given, double sub_step) noexcept {
   const Contact* found = find_contact(contacts(), given.key);
-  if (found == nullptr) return false;
-  physics::set_impulses(given, sub_step, contacts_[static_cast<std::uint32_t>(found - contacts_.begin())]);
-  return true;
+  if (found == nullptr) return add_warm_start(given);
+  const auto at = static_cast<std::uint32_t>(found - contacts_.begin());
+  if (found->axis_cache == given.axis_cache) {
+    set_impulses(given, sub_step, contacts_[at]);
+    return true;
+  }
+  std::copy(contacts_.begin() + at + 1, contacts_.end(), contacts_.begin() + at);
+  std::copy(references_.begin() + at + 1, references_.end(), references_.begin() + at);
+  contacts_.resize(contacts_.size() - 1);
+  references_.resize(references_.size() - 1);
+  return add_warm_start(given);
 }
 
 void ContactTable::scale_impulses_of(std::span<const std::uint8_t> bodies, double factor) noexcept {

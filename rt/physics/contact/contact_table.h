@@ -63,8 +63,10 @@ class ContactTable {
   bool add_warm_start(const WarmStart& warm_start) noexcept { return warm_starts_.try_push(warm_start); }
   std::span<const WarmStart> warm_starts() const noexcept { return warm_starts_.span(); }
 
-  // Gives the pair's contact these impulses (start_impulses.h). False if there is no contact.
-  bool set_impulses(const WarmStart& given, double sub_step) noexcept;
+  // Continues a contact of another world. If the pair's contact is along the same axis it gets these impulses
+  // (start_impulses.h); else it is dropped, and the next build starts from `given` as with add_warm_start: at a corner
+  // two boxes may touch along either of two axes, and each world keeps the one that it has.
+  bool continue_contact(const WarmStart& given, double sub_step) noexcept;
 
   // Scales the impulses of contacts whose body A is flagged, by slot.
   void scale_impulses_of(std::span<const std::uint8_t> bodies, double factor) noexcept;

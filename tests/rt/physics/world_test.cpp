@@ -389,6 +389,34 @@ TEST_CASE("Impulses given from another world start a contact as if it had been h
   CHECK(norm(without.velocity(1).linear - old.velocity(1).linear) > 1e-6);
 }
 
+TEST_CASE("A contact of another world continues along the axis that it has there, with its impulses") {
+  constexpr double kSize = 0.05, kOverlap = 12e-6;
+  constexpr Vec3d kCorner{kSize - kOverlap, 0, kSize - kOverlap};  // above and beside: either axis is as good
+  const auto come_from = [&](PhysicsBench& bench, const Vec3d& way) {
+    bench.settings.gravity = {};
+    bench.add_box(1, {0.5 * kSize, 0.5 * kSize, 0.5 * kSize}, 0.2, 0.5, {});
+    bench.add_box(2, {0.5 * kSize, 0.5 * kSize, 0.5 * kSize}, 0.2, 0.5, {kCorner - 1e-3 * way, {}});
+    for (const Vec3d& at : {kCorner - 1e-3 * way, kCorner}) {
+      bench.world.find(1)->motion = {};
+      bench.world.find(2)->motion = {{at, {}}, {-0.01 * (Vec3d{1, 0, 1} - way), {}}};
+      bench.step();
+      REQUIRE(bench.world.contacts().size() == 1);
+    }
+  };
+  PhysicsBench above, beside;
+  come_from(above, {1, 0, 0});  // slid along x over the top, and touches it
+  come_from(beside, {0, 0, 1});
+  REQUIRE(above.world.contacts()[0].normal == Vec3d{0, 0, 1});
+  REQUIRE(beside.world.contacts()[0].normal == Vec3d{1, 0, 0});
+  REQUIRE(beside.world.continue_contact(World::warm_start_of(above.world.contacts()[0], above.h()), beside.h()));
+  for (const BodyId id : {1, 2}) beside.world.find(id)->motion = above.world.find(id)->motion;
+  above.step();
+  beside.step();
+  CHECK(beside.world.contacts()[0].normal.z > 0.999999);  // searched again: the bodies have turned a little
+  for (const BodyId id : {1, 2}) CHECK(norm(beside.velocity(id).linear - above.velocity(id).linear) < 1e-7);
+  CHECK(norm(above.velocity(2).linear) > 1e-3);
+}
+
 TEST_CASE("Impulses of a pair that does not touch are dropped after the next step") {
   PhysicsBench bench;
   bench.settings.gravity = {};
