@@ -80,7 +80,9 @@ if [ -z "$QUICK" ]; then
 fi
 
 # --- ways out
-for way in INT TERM HUP; do
+ways='INT TERM HUP'
+if [ -n "$QUICK" ]; then ways=INT; fi
+for way in $ways; do
   start_falcon --loaded 1 --scene /tmp/press.toml || exit
   start_host /tmp/press.toml
   if under_force "SIG$way"; then
