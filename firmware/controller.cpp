@@ -55,7 +55,7 @@ Fault fault_of(Event event, Fault supervision_fault) noexcept {
   switch (event) {
     case Event::kSupervision:
       return supervision_fault;
-    case Event::kStopLine:
+    case Event::kEmergencyStop:
       return Fault::kEmergencyStop;
     case Event::kMotorBus:
       return Fault::kMotorBus;
@@ -124,7 +124,7 @@ ControllerOutputs Controller::step(const ControllerInputs& inputs, std::span<con
   limits_ = supervision.limits;
   outputs.effort = limited_effort(supervision);
   outputs.brake = state_ == State::kReset || state_ == State::kBrake;
-  if (inputs.stop_line) limits_ |= bit_of(Limit::kStopLine);
+  if (inputs.emergency_stop) limits_ |= bit_of(Limit::kEmergencyStop);
   if (!inputs.motor_bus_ok) limits_ |= bit_of(Limit::kMotorBusLow);
   if (!idle_wanted_) limits_ |= bit_of(Limit::kIdleFirst);
 
@@ -188,7 +188,7 @@ Controller::Reception Controller::receive() noexcept {
 
 Event Controller::event_of(const ControllerInputs& inputs, const Reception& reception, const Supervision& supervision,
                            bool overspeed) const noexcept {
-  if (inputs.stop_line) return Event::kStopLine;
+  if (inputs.emergency_stop) return Event::kEmergencyStop;
   if (!inputs.motor_bus_ok) return Event::kMotorBus;
   if (overspeed) return Event::kOverspeed;
   if (supervision.fault != Fault::kNone) return Event::kSupervision;

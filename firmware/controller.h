@@ -44,7 +44,7 @@ struct ControllerInputs {
   AxisCounts counts{};
   std::uint64_t time_us{0};  // device clock, monotone
   std::uint8_t buttons{0};
-  bool stop_line{false};  // the e-stop line is active
+  bool emergency_stop{false};  // its line is active
   bool motor_bus_ok{true};
   // Optional data of encoders and motors, for homing.h and thermal.h. Bit k is axis k.
   std::uint8_t index_edges{0};     // an index pulse occurred since the last sample
@@ -71,7 +71,7 @@ struct ControllerOutputs {
 
 // Events of a period, most urgent first; a step handles exactly one. See the table in controller.cpp.
 enum class Event : std::uint8_t {
-  kStopLine = 0,
+  kEmergencyStop = 0,
   kMotorBus = 1,
   kOverspeed = 2,
   kSupervision = 3,  // Supervision::fault

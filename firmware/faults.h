@@ -28,15 +28,15 @@ enum class Limit : std::uint16_t {
   kAxis3 = 67,
   kAxis4 = 68,
   kAxis5 = 69,
-  kForce = 70,        // norm of the efforts of axes 0 to 2 reduced to its limit
-  kTorque = 71,       // norm of the efforts of axes 3 to 5 reduced to its limit
-  kFading = 72,       // commands are missing: the effort fades
-  kStopLine = 73,     // the e-stop line is active now
-  kMotorBusLow = 74,  // the motors' supply is not good now
-  kWarm = 75,         // a winding is above its warning level: its effort limit falls with further rise
-  kNotHomed = 76,     // homing is required and not done: FORCE is refused
-  kHoming = 77,       // homing is in progress: FORCE is refused
-  kIdleFirst = 78,    // no command has requested IDLE since the device started: FORCE is refused
+  kForce = 70,          // norm of the efforts of axes 0 to 2 reduced to its limit
+  kTorque = 71,         // norm of the efforts of axes 3 to 5 reduced to its limit
+  kFading = 72,         // commands are missing: the effort fades
+  kEmergencyStop = 73,  // the e-stop line is active now
+  kMotorBusLow = 74,    // the motors' supply is not good now
+  kWarm = 75,           // a winding is above its warning level: its effort limit falls with further rise
+  kNotHomed = 76,       // homing is required and not done: FORCE is refused
+  kHoming = 77,         // homing is in progress: FORCE is refused
+  kIdleFirst = 78,      // no command has requested IDLE since the device started: FORCE is refused
 };
 
 inline constexpr std::uint16_t kFirstLimit = 64, kLastLimit = 79;

@@ -14,7 +14,7 @@ bool is_watchdog_good(const Config& config) noexcept {
   const float fading = watchdog_share(config.fade_frames, config);
   good = good && fading > 0.0f && fading < 1.0f;
   for (unsigned s = 0; s < kStates; ++s)
-    good = good && next_state(static_cast<State>(s), Event::kStopLine) == State::kBrake;
+    good = good && next_state(static_cast<State>(s), Event::kEmergencyStop) == State::kBrake;
   for (unsigned e = 0; e < kEvents; ++e) {
     const auto event = static_cast<Event>(e);
     if (event != Event::kRearm) good = good && next_state(State::kBrake, event) == State::kBrake;

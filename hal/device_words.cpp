@@ -48,7 +48,7 @@ struct LimitWords {
 };
 constexpr LimitWords kLimits[] = {
     {firmware::Limit::kFading, "it misses commands, its effort fades"},
-    {firmware::Limit::kStopLine, "its emergency stop is pressed: release it"},
+    {firmware::Limit::kEmergencyStop, "its emergency stop is pressed: release it"},
     {firmware::Limit::kMotorBusLow, "the motors' supply is not good: restore it"},
     {firmware::Limit::kWarm, "a motor winding is warm: let it cool"},
     {firmware::Limit::kNotHomed, "homing is demanded and not done: home it"},

@@ -106,7 +106,7 @@ class LoopbackLink {
     }
     powered_ = powered;
   }
-  void set_stop_line(bool active) noexcept { mechanics_.stop_line = active; }
+  void set_emergency_stop(bool active) noexcept { mechanics_.emergency_stop = active; }
   void set_motor_bus(bool good) noexcept { mechanics_.motor_bus_ok = good; }
   void set_buttons(std::uint8_t buttons) noexcept { mechanics_.buttons = buttons; }
   // The next `count` frames of a direction are lost, or have a flipped bit.
@@ -133,7 +133,7 @@ class LoopbackLink {
     std::uint64_t samples{0};
     firmware::ControllerOutputs outputs;
     std::uint8_t buttons{0};
-    bool stop_line{false}, motor_bus_ok{true};
+    bool emergency_stop{false}, motor_bus_ok{true};
 
     SimulatedMechanics(const DeviceProfile& profile, const HandModel& a_hand, std::int64_t a_period_ns)
         : plant(profile.plant, a_hand.parameters(), a_hand.target_at(0.0).pose, profile.kinematics),
@@ -147,7 +147,7 @@ class LoopbackLink {
       inputs.counts = counts();
       inputs.time_us = samples++ * static_cast<std::uint64_t>(period_ns) / 1000;
       inputs.buttons = buttons;
-      inputs.stop_line = stop_line;
+      inputs.emergency_stop = emergency_stop;
       inputs.motor_bus_ok = motor_bus_ok;
     }
 

@@ -150,7 +150,7 @@ void SimulatedDevice::run_firmware() noexcept {
   inputs.counts = counts();
   inputs.time_us = now_ * static_cast<std::uint64_t>(options_.period_ns) / 1000;
   inputs.buttons = buttons_;
-  inputs.stop_line = fault(FaultKind::kEmergencyStop, FaultDirection::kState) != nullptr;
+  inputs.emergency_stop = fault(FaultKind::kEmergencyStop, FaultDirection::kState) != nullptr;
   outputs_ = device_.step(inputs,
                           command_waits_ ? std::span<const std::byte>(waiting_command_) : std::span<const std::byte>());
   command_waits_ = false;

@@ -93,7 +93,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
                                                                 settings_.contact_damping_ratio, settings_.dt)),
       bounds_(capacities_for(scene).bodies),
       free_(capacities_for(scene).bodies),
-      held_(capacities_for(scene).bodies) {
+      kept_awake_(capacities_for(scene).bodies) {
   touches_.reserve(touches_for(scene));
   member_slots_.reserve(capacities_for(scene).bodies);
   velocity_before_.reserve(capacities_for(scene).bodies);
@@ -101,7 +101,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
              {scene.proxy, options.gains, options.reach.max_speed_m_per_s, options.reach.max_angular_speed_rad_per_s});
   for (const FurtherDevice& device : options.more_devices) add_device(scene, device);
   if (devices_.size() > 1) {
-    held_bodies_.reserve(islands_.bodies().size());
+    touched_bodies_.reserve(islands_.bodies().size());
     for (Device& device : devices_) {
       device.apart = BodyVector<std::uint32_t>(islands_.bodies().size(), kLongApart);
       device.component.reserve(islands_.bodies().size());
@@ -299,10 +299,11 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
   // hand that lets go does not pull. The next report corrects the error.
   const Wrenchd& mean = report.mean_device_wrench;
   if (!is_finite(mean)) return;
-  const Wrenchd& before = device.held_before == Wrenchd{} ? mean : device.held_before;
-  device.held_by = {mean.force + clamp_norm(kWrenchExtrapolation * (mean.force - before.force), norm(mean.force)),
-                    mean.torque + clamp_norm(kWrenchExtrapolation * (mean.torque - before.torque), norm(mean.torque))};
-  device.held_before = mean;
+  const Wrenchd& before = device.last_device_wrench == Wrenchd{} ? mean : device.last_device_wrench;
+  device.device_wrench = {
+      mean.force + clamp_norm(kWrenchExtrapolation * (mean.force - before.force), norm(mean.force)),
+      mean.torque + clamp_norm(kWrenchExtrapolation * (mean.torque - before.torque), norm(mean.torque))};
+  device.last_device_wrench = mean;
 }
 
 PredictionWork GlobalWorld::prediction_work() const noexcept {
@@ -352,7 +353,7 @@ physics::StepReport GlobalWorld::take_macro_step(std::uint32_t macro_step, std::
   hold_proxy(macro_step * settings.dt);
   const auto bounds_settings = physics::settings_of_macro_step(bounds_settings_, macro_steps);
   for (const Device& device : devices_)
-    if (device.held_by != Wrenchd{}) world_.apply_wrench(slot_of(device), device.held_by);
+    if (device.device_wrench != Wrenchd{}) world_.apply_wrench(slot_of(device), device.device_wrench);
   world_.begin_step(bounds_settings);
   while (islands_.wake_touched(world_)) world_.begin_step(bounds_settings);  // a woken body may wake others
   if (!pair_cache_.find(world_.bounds(), world_.dynamic_pairs())) statistics_.capacity_bits |= physics::kPairsFull;
@@ -438,7 +439,7 @@ void GlobalWorld::advance() noexcept {
     report.capacity_bits |= bits;
     report.deepest_m = std::max(report.deepest_m, deepest_m);
   }
-  for (Device& device : devices_) device.held_by = {};
+  for (Device& device : devices_) device.device_wrench = {};
   const auto awake = static_cast<std::uint32_t>(islands_.awake().size());
   time_s_ += settings_.dt;
   stepped_ = true;

@@ -170,8 +170,8 @@ class GlobalWorld {
     haptics::CouplingGains gains;  // world units
     ReachSettings reach;
     Posed reported_proxy;            // the proxy's pose at t_n in the sub-world
-    Wrenchd held_by{};               // N, N m: applied to the proxy over the next step
-    Wrenchd held_before{};           // N, N m: mean device wrench of the last cycle
+    Wrenchd device_wrench{};         // N, N m: applied to the proxy over the next step
+    Wrenchd last_device_wrench{};    // N, N m: mean device wrench of the last cycle
     haptics::DeviceTarget target{};  // the device's state as the next step begins; target of hold_proxy's spring
     bool has_border{false};          // its last snapshot has outside bodies
     double border_work_J{0};         // of outside bodies on its members, in the last step
@@ -187,7 +187,7 @@ class GlobalWorld {
   void add_device(const Scene& scene, const FurtherDevice& device);
   void build_graph() noexcept;
   void leave_out(Device& device) noexcept;
-  void note_held_bodies(Device& device) noexcept;
+  void note_touched_bodies(Device& device) noexcept;
   void find_free_bodies(const Device& device) noexcept;
   bool must_leave(const Device& device, BodyIndex body) const noexcept;
   // Does a prediction of each sub-world run? With ghosts only: the other borders do not correct members.
@@ -198,7 +198,7 @@ class GlobalWorld {
   void fill_border(const Device& device, haptics::WorldSnapshot& next) noexcept;
   void wake_for(const haptics::SubWorldReport& report) noexcept;
   void wake_near(const Device& device) noexcept;
-  void mark_held() noexcept;
+  void mark_kept_awake() noexcept;
   void sleep() noexcept;
   physics::CoarseRegion coarse_region() noexcept;
   std::uint32_t macro_steps_of_step() noexcept;
@@ -257,9 +257,9 @@ class GlobalWorld {
   std::vector<ContactEdge> touches_;
   std::vector<physics::Aabb> bounds_;
   BodyVector<std::uint8_t> free_;           // 1 if it may be a member of the sub-world in question
-  BodyVector<std::uint8_t> held_;           // 1 if member of a sub-world or kinematic: stays awake
+  BodyVector<std::uint8_t> kept_awake_;     // 1 if member of a sub-world or kinematic: stays awake
   std::vector<std::uint8_t> member_slots_;  // by slot: 1 if member of the sub-world in question
-  std::vector<BodyIndex> held_bodies_;      // of note_held_bodies
+  std::vector<BodyIndex> touched_bodies_;   // of note_touched_bodies
   std::vector<Twistd> velocity_before_;     // by slot, of members only: at the start of the macro step
   std::vector<physics::Aabb> regions_;      // by device: region in which nothing falls asleep
   double thinnest_m_{0};                    // thickness of the thinnest body

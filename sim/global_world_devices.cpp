@@ -40,32 +40,32 @@ void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
 // Clears target and wrenches of a device without a report: those that it sent last are too old to act on the proxy.
 void GlobalWorld::leave_out(Device& device) noexcept {
   device.target = {};
-  device.held_by = {};
-  device.held_before = {};
+  device.device_wrench = {};
+  device.last_device_wrench = {};
 }
 
 void GlobalWorld::build_graph() noexcept {
   graph_.build(static_cast<std::uint32_t>(islands_.bodies().size()), touches_);
   if (devices_.size() == 1) return;
-  for (Device& device : devices_) note_held_bodies(device);
+  for (Device& device : devices_) note_touched_bodies(device);
 }
 
 // Updates `apart`, the steps since each body last touched the proxy. A body that joints connect to a touching body
 // counts as touching.
-void GlobalWorld::note_held_bodies(Device& device) noexcept {
+void GlobalWorld::note_touched_bodies(Device& device) noexcept {
   for (const BodyIndex body : device.apart.indices())
     if (device.apart[body] < kLongApart) ++device.apart[body];
-  held_bodies_.clear();
+  touched_bodies_.clear();
   const auto hold = [&](BodyIndex body) noexcept {
     const bool is_proxy = std::any_of(devices_.begin(), devices_.end(),
                                       [body](const Device& other) noexcept { return other.proxy == body; });
     if (is_proxy || device.apart[body] == 0) return;
     device.apart[body] = 0;
-    held_bodies_.push_back(body);
+    touched_bodies_.push_back(body);
   };
   for (const ContactGraph::Link& link : graph_.links(device.proxy)) hold(link.body);
-  for (std::size_t head = 0; head < held_bodies_.size(); ++head)
-    for (const ContactGraph::Link& link : graph_.links(held_bodies_[head]))
+  for (std::size_t head = 0; head < touched_bodies_.size(); ++head)
+    for (const ContactGraph::Link& link : graph_.links(touched_bodies_[head]))
       if (graph_.touches()[link.touch].joined) hold(link.body);
 }
 

@@ -27,31 +27,31 @@ void GlobalWorld::wake_near(const Device& device) noexcept {
   (void)islands_.wake_in(device.extraction.region(world_.body(slot_of(device)), device.reported_proxy), world_);
 }
 
-// Updates held_ and regions_: the members of each sub-world, and the region from which it may take more.
-void GlobalWorld::mark_held() noexcept {
-  held_.fill(0);
+// Updates kept_awake_ and regions_: the members of each sub-world, and the region from which it may take more.
+void GlobalWorld::mark_kept_awake() noexcept {
+  kept_awake_.fill(0);
   if (const auto* kinematics = world_.effects().find<physics::ScriptedMotion>())  // may start to move at any time
     for (const auto& script : kinematics->scripts())
-      if (const std::optional<BodyIndex> body = islands_.index_of(script.id)) held_[*body] = 1;
+      if (const std::optional<BodyIndex> body = islands_.index_of(script.id)) kept_awake_[*body] = 1;
   for (std::size_t d = 0; d < devices_.size(); ++d) {
     const Device& device = devices_[d];
-    held_[device.proxy] = 1;
-    for (const BodyIndex member : device.extraction.members()) held_[member] = 1;
+    kept_awake_[device.proxy] = 1;
+    for (const BodyIndex member : device.extraction.members()) kept_awake_[member] = 1;
     regions_[d] = device.extraction.region(islands_.bodies()[device.proxy], device.reported_proxy);
   }
 }
 
 void GlobalWorld::sleep() noexcept {
-  mark_held();
-  islands_.put_to_sleep(held_, regions_, bounds_settings_, sub_step_s(), world_);
+  mark_kept_awake();
+  islands_.put_to_sleep(kept_awake_, regions_, bounds_settings_, sub_step_s(), world_);
 }
 
 // Islands without a member, outside every proxy's region. They are independent of the other islands, so they may have
 // their own number of sub-steps. Their contacts' stiffness does not change.
 physics::CoarseRegion GlobalWorld::coarse_region() noexcept {
   if (bounds_settings_.sub_steps == settings_.sub_steps) return {};
-  mark_held();
-  return {islands_.find_coarse(held_, regions_, world_), bounds_settings_.sub_steps};
+  mark_kept_awake();
+  return {islands_.find_coarse(kept_awake_, regions_, world_), bounds_settings_.sub_steps};
 }
 
 void GlobalWorld::sleep_from_start() noexcept {

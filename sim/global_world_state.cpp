@@ -34,8 +34,8 @@ template <class Self>
 auto GlobalWorld::state_of(Self& self) noexcept {
   return std::tie(self.stepped_, self.macro_step_s_, self.settings_, self.islands_, self.pair_cache_, self.graph_,
                   self.approach_, self.border_exchange_, self.devices_, self.touches_, self.bounds_, self.free_,
-                  self.held_, self.member_slots_, self.velocity_before_, self.regions_, self.asleep_J_, self.asleep_of_,
-                  self.time_s_, self.statistics_);
+                  self.kept_awake_, self.member_slots_, self.velocity_before_, self.regions_, self.asleep_J_,
+                  self.asleep_of_, self.time_s_, self.statistics_);
 }
 
 struct GlobalWorld::Saved {

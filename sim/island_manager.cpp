@@ -107,14 +107,14 @@ physics::Islands IslandManager::find_islands(World& world) noexcept {
   return islands;
 }
 
-std::span<const std::uint8_t> IslandManager::find_coarse(BodySpan<const std::uint8_t> held,
+std::span<const std::uint8_t> IslandManager::find_coarse(BodySpan<const std::uint8_t> kept_awake,
                                                          std::span<const Aabb> regions, World& world) noexcept {
   const auto count = static_cast<std::uint32_t>(awake_.size());
   const auto bounds = world.bounds();
   physics::Islands islands = find_islands(world);
   stays_.assign(count, 0);
   for (std::uint32_t slot = 0; slot < count; ++slot)
-    if (held[awake_[slot]] != 0 ||
+    if (kept_awake[awake_[slot]] != 0 ||
         std::any_of(regions.begin(), regions.end(), [&](const auto& region) { return region.overlaps(bounds[slot]); }))
       stays_[islands.of(slot)] = 1;
   apart_.assign(count, 0);
@@ -152,7 +152,7 @@ Aabb IslandManager::bounds_at_rest(BodyIndex at, const Settings& settings) const
   return physics::bounds_of(body.shape, body.motion.pose, physics::growth_of(bound, fall, settings));
 }
 
-void IslandManager::put_to_sleep(BodySpan<const std::uint8_t> held, std::span<const Aabb> regions,
+void IslandManager::put_to_sleep(BodySpan<const std::uint8_t> kept_awake, std::span<const Aabb> regions,
                                  const Settings& settings, double sub_step_s, World& world) noexcept {
   const auto slow = [this](BodyIndex body) noexcept { return slow_steps_[body] >= rule_.steps; };
   if (!rule_.enabled || std::none_of(awake_.begin(), awake_.end(), slow)) return;
@@ -163,7 +163,7 @@ void IslandManager::put_to_sleep(BodySpan<const std::uint8_t> held, std::span<co
     std::uint8_t& stays = stays_[islands.of(slot)];
     const BodyIndex body = awake_[slot];
     if (stays != 0) continue;
-    if (!slow(body) || held[body] != 0) {
+    if (!slow(body) || kept_awake[body] != 0) {
       stays = 1;
       continue;
     }

@@ -46,18 +46,18 @@ class IslandManager {
   bool wake_in(const physics::Aabb& box, World& world) noexcept;
   bool wake_touched(World& world) noexcept;  // islands that the world's bounds overlap; call after begin_step
 
-  // Per slot: 1 if no body of the body's island is held (`held`: 1) or overlaps one of the regions. Needs the
-  // pairs of the step that has begun. Valid until the next call of any function here.
-  std::span<const std::uint8_t> find_coarse(BodySpan<const std::uint8_t> held, std::span<const physics::Aabb> regions,
-                                            World& world) noexcept;
+  // Per slot: 1 if no body of the body's island is kept awake (`kept_awake`: 1) or overlaps one of the regions. Needs
+  // the pairs of the step that has begun. Valid until the next call of any function here.
+  std::span<const std::uint8_t> find_coarse(BodySpan<const std::uint8_t> kept_awake,
+                                            std::span<const physics::Aabb> regions, World& world) noexcept;
 
   // --- after a step
   void follow(const World& world) noexcept;  // copies the motions and counts slow steps
-  // Removes islands that have been slow for long enough from the world, except those with a body that is held (`held`:
-  // 1) or overlaps one of the regions. `settings`: those of begin_step; `sub_step_s`: the sub-step of the
-  // contacts' impulses.
-  void put_to_sleep(BodySpan<const std::uint8_t> held, std::span<const physics::Aabb> regions, const Settings& settings,
-                    double sub_step_s, World& world) noexcept;
+  // Removes islands that have been slow for long enough from the world, except those with a body that is kept awake
+  // (`kept_awake`: 1) or overlaps one of the regions. `settings`: those of begin_step; `sub_step_s`: the sub-step of
+  // the contacts' impulses.
+  void put_to_sleep(BodySpan<const std::uint8_t> kept_awake, std::span<const physics::Aabb> regions,
+                    const Settings& settings, double sub_step_s, World& world) noexcept;
   // Before the first step: bodies at rest count as slow for long enough. Needs the world's pairs.
   void count_resting_as_slow() noexcept;
 

@@ -186,7 +186,7 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
   const double h = settings.dt / static_cast<double>(settings.sub_steps);
   StageContext context{.bodies = input.bodies,
                        .fixed_bodies = input.fixed_bodies,
-                       .held = input.frozen,
+                       .frozen = input.frozen,
                        .contacts = input.contacts,
                        .settings = settings,
                        .report = report,

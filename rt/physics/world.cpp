@@ -40,7 +40,7 @@ World::World(const Capacities& capacities, const ShapeLists& shapes, const Effec
       bodies_(capacities.bodies),
       fixed_bodies_(capacities.fixed_bodies),
       frozen_(capacities.bodies),
-      held_(capacities.bodies),
+      frozen_in_solve_(capacities.bodies),
       wrenches_(capacities.bodies),
       bounds_(capacities.bodies),
       fixed_bounds_(capacities.fixed_bodies),
@@ -390,7 +390,7 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
 
   StageContext context{.bodies = bodies_.span(),
                        .fixed_bodies = fixed_bodies_.span(),
-                       .held = frozen_.span(),
+                       .frozen = frozen_.span(),
                        .contacts = {},
                        .settings = settings,
                        .report = report,
@@ -409,9 +409,9 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
   if (far.bodies.empty()) {
     solve(frozen_.span(), springs_, settings, impulse_scale, cut, report);
   } else {
-    held_.resize(bodies_.size());
-    for (std::uint32_t i = 0; i < bodies_.size(); ++i) held_[i] = frozen_[i] | far.bodies[i];
-    solve(held_.span(), springs_, settings, impulse_scale, cut, report);
+    frozen_in_solve_.resize(bodies_.size());
+    for (std::uint32_t i = 0; i < bodies_.size(); ++i) frozen_in_solve_[i] = frozen_[i] | far.bodies[i];
+    solve(frozen_in_solve_.span(), springs_, settings, impulse_scale, cut, report);
     solve_far(far, settings, cut, report);
   }
   if (wrench_applied_)
@@ -420,13 +420,13 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
   return report;
 }
 
-// Bodies that are held neither move nor take impulses.
-void World::solve(std::span<const std::uint8_t> held, std::span<PoseSpring> springs, const StepSettings& settings,
+// `frozen`, by slot: 1: the body neither moves nor takes impulses.
+void World::solve(std::span<const std::uint8_t> frozen, std::span<PoseSpring> springs, const StepSettings& settings,
                   double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept {
   const std::span<const Wrenchd> wrenches =
       wrench_applied_ ? std::span<const Wrenchd>(wrenches_.span()) : std::span<const Wrenchd>();
   const SolverInput input{.bodies = bodies_.span(),
-                          .frozen = held,
+                          .frozen = frozen,
                           .wrenches = wrenches,
                           .contacts = contacts_.contacts(),
                           .springs = springs,
@@ -442,18 +442,18 @@ void World::solve(std::span<const std::uint8_t> held, std::span<PoseSpring> spri
   single_solver_->step(input, settings, cut, report);
 }
 
-// Solves the coarse region; the others have been solved and are held. Impulses stored between steps are those of the
+// Solves the coarse region; the others have been solved and are frozen. Impulses stored between steps are those of the
 // other bodies' sub-step.
 void World::solve_far(const CoarseRegion& far, const StepSettings& settings, const CutPredicate& cut,
                       StepReport& report) noexcept {
   TACTUS_CHECK(far.bodies.size() == bodies_.size() && far.sub_steps > 0, far.bodies.size(), far.sub_steps);
   TACTUS_CHECK(border_contacts_.empty(), bodies_.size(), border_contacts_.size());
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i) held_[i] = frozen_[i] | (far.bodies[i] ^ 1);
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) frozen_in_solve_[i] = frozen_[i] | (far.bodies[i] ^ 1);
   StepSettings fewer = settings;
   fewer.sub_steps = far.sub_steps;
   const double longer = static_cast<double>(settings.sub_steps) / static_cast<double>(far.sub_steps);
   contacts_.scale_impulses_of(far.bodies, longer);
-  solve(held_.span(), {}, fewer, 1.0, cut, report);
+  solve(frozen_in_solve_.span(), {}, fewer, 1.0, cut, report);
   contacts_.scale_impulses_of(far.bodies, 1.0 / longer);
 }
 

@@ -156,7 +156,7 @@ class World {
                       StepReport& report) noexcept;
   std::uint32_t add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t slot, std::uint32_t fixed_slot,
                                 const StepSettings& settings) noexcept;
-  void solve(std::span<const std::uint8_t> held, std::span<PoseSpring> springs, const StepSettings& settings,
+  void solve(std::span<const std::uint8_t> frozen, std::span<PoseSpring> springs, const StepSettings& settings,
              double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept;
   void solve_far(const CoarseRegion& far, const StepSettings& settings, const CutPredicate& cut,
                  StepReport& report) noexcept;
@@ -168,8 +168,9 @@ class World {
   Executor executor_;
   BoundedVector<Body> bodies_, fixed_bodies_;  // by id
   BoundedVector<std::uint8_t> frozen_;         // by slot
-  mutable BoundedVector<std::uint8_t> held_;  // by slot; scratch of a step with a coarse region, and of joint_springs_J
-  BoundedVector<Wrenchd> wrenches_;           // by slot: for the next step
+  mutable BoundedVector<std::uint8_t>
+      frozen_in_solve_;              // by slot; scratch of a step with a coarse region, and of joint_springs_J
+  BoundedVector<Wrenchd> wrenches_;  // by slot: for the next step
   bool wrench_applied_{false};
   BoundedVector<Aabb> bounds_, fixed_bounds_;
   BoundedVector<BodyFrame> frames_, fixed_frames_;

@@ -22,12 +22,12 @@ double World::potential_energy(const Vec3d& gravity) const noexcept {
 double World::joint_springs_J(double contact_hertz) const noexcept {
   const Joints* const joints = effects_.find<Joints>();
   if (joints == nullptr) return 0.0;
-  held_.resize(bodies_.size());
-  std::copy(frozen_.begin(), frozen_.end(), held_.begin());
+  frozen_in_solve_.resize(bodies_.size());
+  std::copy(frozen_.begin(), frozen_.end(), frozen_in_solve_.begin());
   if (const auto* const scripted = effects_.find<ScriptedMotion>())
     for (const KinematicScript& script : scripted->scripts())
-      if (const auto slot = slot_of(script.id)) held_[number_of(*slot)] = 1;
-  return joints->springs_J(bodies(), fixed_bodies(), held_.span(), contact_hertz);
+      if (const auto slot = slot_of(script.id)) frozen_in_solve_[number_of(*slot)] = 1;
+  return joints->springs_J(bodies(), fixed_bodies(), frozen_in_solve_.span(), contact_hertz);
 }
 
 Wrenchd World::momentum() const noexcept {

@@ -78,10 +78,10 @@ Vector6 product(const Matrix6& m, const Vector6& v) noexcept {
   return result;
 }
 
-// Spatial inertia about a point, of a mass with the first moment `moment` and the second moment `turning` about it.
-Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3d& turning) noexcept {
+// Spatial inertia about a point, of a mass with the first moment `moment` and the second moment `second` about it.
+Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3d& second) noexcept {
   const auto& [x, y, z] = moment;
-  const SymMat3d& t = turning;
+  const SymMat3d& t = second;
   return {{{mass, 0, 0, 0, z, -y},
            {0, mass, 0, -z, 0, x},
            {0, 0, mass, y, -x, 0},
@@ -91,7 +91,7 @@ Matrix6 inertia_of(double mass, const Vec3d& moment, const SymMat3d& turning) no
 }
 
 // Second moment of a point mass at r: mass (|r|^2 - r r^T).
-SymMat3d turning_at(double mass, const Vec3d& r) noexcept {
+SymMat3d second_moment(double mass, const Vec3d& r) noexcept {
   const Vec3d m = mass * r;
   const double rr = dot(m, r);
   return {rr - m.x * r.x, rr - m.y * r.y, rr - m.z * r.z, -m.x * r.y, -m.x * r.z, -m.y * r.z};
@@ -100,7 +100,7 @@ SymMat3d turning_at(double mass, const Vec3d& r) noexcept {
 // Spatial inertia of a free body about the point centre - d; the centre's velocity is v + w x d.
 Matrix6 inertia_of(const Body& body, const Vec3d& d) noexcept {
   const SymMat3d own = rotate_diagonal(body.motion.pose.rotation, body.inertia);
-  return inertia_of(body.mass, body.mass * d, own + turning_at(body.mass, d));
+  return inertia_of(body.mass, body.mass * d, own + second_moment(body.mass, d));
 }
 
 // The body's twist at the point centre - d.
@@ -169,7 +169,7 @@ Matrix6 stiffness_of_contact(const Contact& contact, double added_inertia, std::
   // A sticking point constrains all three directions, as a point mass there.
   double mass = 0;
   Vec3d moment;
-  SymMat3d turning;
+  SymMat3d second;
   Matrix6 sum{};
   for (std::uint32_t i = 0; i < contact.count; ++i) {
     const auto& point = contact.points[i];
@@ -178,11 +178,11 @@ Matrix6 stiffness_of_contact(const Contact& contact, double added_inertia, std::
     if (sticks) {
       mass += stiffness;
       moment += stiffness * r;
-      turning = turning + turning_at(stiffness, r);
+      second = second + second_moment(stiffness, r);
     } else
       hold(sum, stiffness, contact.normal, cross(r, contact.normal));
   }
-  return sticks ? inertia_of(mass, moment, turning) : sum;
+  return sticks ? inertia_of(mass, moment, second) : sum;
 }
 
 // True if the joint also constrains its coordinate: at a limit under load, or by a motor that is not overcome.

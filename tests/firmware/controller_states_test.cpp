@@ -9,8 +9,8 @@ namespace {
 
 void inflict(Bench& b, Event event) {
   switch (event) {
-    case Event::kStopLine:
-      b.inputs.stop_line = true;
+    case Event::kEmergencyStop:
+      b.inputs.emergency_stop = true;
       b.command(State::kForce);
       break;
     case Event::kMotorBus:
@@ -51,7 +51,7 @@ void inflict(Bench& b, Event event) {
 
 // The rules in words, not the table.
 State expected(State state, Event event) {
-  const bool stops = event == Event::kStopLine || event == Event::kSupervision || event == Event::kEffortNotFinite ||
+  const bool stops = event == Event::kEmergencyStop || event == Event::kSupervision || event == Event::kEffortNotFinite ||
                      event == Event::kWantBrake;
   const bool stops_when_up = event == Event::kMotorBus || event == Event::kOverspeed;
   if (state == State::kBrake) return event == Event::kRearm ? State::kIdle : State::kBrake;
@@ -65,7 +65,7 @@ State expected(State state, Event event) {
 
 Fault expected_fault(Event event) {
   switch (event) {
-    case Event::kStopLine:
+    case Event::kEmergencyStop:
       return Fault::kEmergencyStop;
     case Event::kMotorBus:
       return Fault::kMotorBus;
@@ -120,11 +120,11 @@ TEST_CASE("FORCE ends in the period in which it is no longer allowed, with a com
 
 TEST_CASE("the more urgent of two events wins") {
   Bench b = bench_in(State::kBrake);
-  b.inputs.stop_line = true;
+  b.inputs.emergency_stop = true;
   b.command(State::kForce, {}, true);
   CHECK(b.state() == State::kBrake);  // no re-arm under an active e-stop
   b = bench_in(State::kForce);
-  b.inputs.stop_line = true;
+  b.inputs.emergency_stop = true;
   b.command(State::kForce, {kNan});
   CHECK(b.controller.fault() == Fault::kEmergencyStop);
 }

@@ -161,18 +161,18 @@ TEST_CASE("a re-arm flag that is stuck does not defeat the latch") {
 TEST_CASE("the e-stop zeroes the effort in its own period, latches, and re-arms only once released") {
   Bench b = bench_in(State::kForce);
   REQUIRE(b.norm_of_effort() > 0.0f);
-  b.inputs.stop_line = true;
+  b.inputs.emergency_stop = true;
   b.command(State::kForce, {5, 0, 0, 0, 0, 0});
   CHECK(b.norm_of_effort() == 0.0f);
   CHECK(b.outputs.brake);
-  CHECK((b.frame.limits & bit_of(Limit::kStopLine)) != 0);
+  CHECK((b.frame.limits & bit_of(Limit::kEmergencyStop)) != 0);
   b.command(State::kForce, {}, true);
   CHECK(b.state() == State::kBrake);
-  b.inputs.stop_line = false;
+  b.inputs.emergency_stop = false;
   b.command(State::kForce, {}, false);
   CHECK(b.state() == State::kBrake);
   CHECK(b.controller.fault() == Fault::kEmergencyStop);
-  CHECK((b.frame.limits & bit_of(Limit::kStopLine)) == 0);
+  CHECK((b.frame.limits & bit_of(Limit::kEmergencyStop)) == 0);
   b.command(State::kForce, {}, true);
   CHECK(b.state() == State::kIdle);
 }

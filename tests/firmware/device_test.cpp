@@ -17,7 +17,7 @@ TEST_CASE("a device with a plain configuration does what its controller alone do
   std::uniform_real_distribution<float> effort(-15.0f, 15.0f);
   for (std::uint32_t i = 1; i < 20000; ++i) {
     inputs.time_us += 1000;
-    inputs.stop_line = random() % 500 == 0;
+    inputs.emergency_stop = random() % 500 == 0;
     inputs.motor_bus_ok = random() % 500 != 0;
     for (auto& count : inputs.counts) count += static_cast<std::int32_t>(random() % 300) - 150;
     CommandFrame command{random() % 3 == 0 ? State::kIdle : State::kForce, random() % 7 == 0, i, {}};
@@ -212,9 +212,9 @@ TEST_CASE("the log contains number, state before, axis, time and value, newest f
   const std::uint64_t time_us = b.inputs.time_us;
   b.rearm();
   REQUIRE(b.state() == State::kIdle);
-  b.inputs.stop_line = true;
+  b.inputs.emergency_stop = true;
   b.nothing();
-  b.inputs.stop_line = false;
+  b.inputs.emergency_stop = false;
   CHECK(b.read(number::kFaultTotal) == 2);
   CHECK(b.read(number::kFaultLog) == (2u | (1u << 16) | (255u << 24)));  // e-stop, from IDLE
   CHECK(b.read(number::kFaultLog + 4) == (3u | (2u << 16) | (4u << 24)));
@@ -262,7 +262,7 @@ TEST_CASE("the e-stop zeroes every effort in its own period, arm support include
   DeviceBench b(config);
   b.start_force({1, 1, 1, 0, 0, 0});
   REQUIRE(b.outputs.effort[2] == 4.0f);
-  b.inputs.stop_line = true;
+  b.inputs.emergency_stop = true;
   b.command(State::kForce, {1, 1, 1, 0, 0, 0});
   CHECK(b.outputs.effort == AxisValues{});
   CHECK(b.outputs.brake);

@@ -59,13 +59,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const bool sealed = (dress & 1u) != 0 && length == kCommandFrameSize;
     if (sealed) seal(std::span<std::byte, kCommandFrameSize>(bytes.data(), kCommandFrameSize));
     inputs.time_us += 1000;
-    inputs.stop_line = dress != 0xff && (dress & 2u) != 0;
+    inputs.emergency_stop = dress != 0xff && (dress & 2u) != 0;
     inputs.motor_bus_ok = dress == 0xff || (dress & 4u) == 0;
     if ((dress & 8u) != 0) std::memcpy(inputs.counts.data(), bytes.data() + 12, sizeof(inputs.counts));
 
     const ControllerOutputs outputs = controller.step(inputs, std::span<const std::byte>(bytes.data(), length));
     for (const float effort : outputs.effort) require(std::abs(effort) <= kMaxEffort);  // NaN fails as well
-    if (inputs.stop_line) require(controller.state() == State::kBrake);
+    if (inputs.emergency_stop) require(controller.state() == State::kBrake);
     if (controller.state() != State::kForce)
       for (const float effort : outputs.effort) require(effort == 0.0f);
     require(decode_state(outputs.state_frame, state_frame) == DecodeError::kNone);

@@ -108,7 +108,7 @@ void check(const Device& device, const ControllerInputs& inputs, const Controlle
   const bool quiet = state == State::kReset || state == State::kBrake;
   require(outputs.brake == quiet);
   for (const float effort : outputs.effort) require(!quiet || effort == 0.0f);
-  require(!inputs.stop_line || state == State::kBrake);
+  require(!inputs.emergency_stop || state == State::kBrake);
   for (const float share : device.thermal().effort_share()) require(share >= 0.0f && share <= 1.0f);
   for (const float speed : device.speed()) require(std::isfinite(speed));
   StateFrame frame;
@@ -139,7 +139,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if ((what & 32u) != 0)
       for (auto& rise : inputs.measured_rise_K) rise = bytes.take<float>();  // a broken sensor: NaN as well
     const auto lines = (what & 64u) != 0 ? bytes.take<std::uint8_t>() : std::uint8_t{0};
-    inputs.stop_line = (lines & 1u) != 0;
+    inputs.emergency_stop = (lines & 1u) != 0;
     inputs.motor_bus_ok = (lines & 2u) == 0;
 
     const ControllerOutputs outputs = device.step(inputs, std::span<const std::byte>(frame).first(length));

@@ -365,10 +365,10 @@ TEST_CASE("the e-stop line cuts the effort in its own tick and latches") {
   CHECK(rig.is_limp());
   CHECK(rig.input.sample.state == DeviceState::kBrake);
   CHECK(rig.input.sample.device_fault == static_cast<unsigned>(firmware::Fault::kEmergencyStop));
-  CHECK((rig.input.sample.limits & firmware::bit_of(firmware::Limit::kStopLine)) != 0);
+  CHECK((rig.input.sample.limits & firmware::bit_of(firmware::Limit::kEmergencyStop)) != 0);
   rig.ticks(50);
   CHECK(rig.input.sample.state == DeviceState::kBrake);
-  CHECK((rig.input.sample.limits & firmware::bit_of(firmware::Limit::kStopLine)) == 0);
+  CHECK((rig.input.sample.limits & firmware::bit_of(firmware::Limit::kEmergencyStop)) == 0);
 }
 
 TEST_CASE("whatever the faults, the efforts stay within the profile's limits") {

@@ -48,7 +48,7 @@ std::string ConformanceDevice::answer(const std::string& line) {
   if (word == "case") restart();
   if (word == "counts")
     for (auto& count : inputs_.counts) words >> count;
-  if (word == "e-stop") words >> inputs_.stop_line;
+  if (word == "e-stop") words >> inputs_.emergency_stop;
   if (word == "supply") words >> inputs_.motor_bus_ok;
   if (word == "in") words >> hex, device_->hear(bytes_of(hex));
   if (word == "period") period();

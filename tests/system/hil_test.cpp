@@ -156,11 +156,11 @@ TEST_CASE("hil: a device that brakes late, or does not stay in BRAKE, is bad") {
     CHECK(finding.verdict == CheckVerdict::kBad);
     CHECK_THAT(finding.reason, Contains("never braked"));
   }
-  const std::uint16_t stop_line = bit_of(firmware::Limit::kStopLine);
+  const std::uint16_t emergency_stop = bit_of(firmware::Limit::kEmergencyStop);
   SECTION("an e-stop that brakes after three frames more") {
     std::uint64_t active = 0;
     HilBench bench({.alter_state = [&](std::uint64_t, firmware::StateFrame& f) {
-      active = (f.limits & stop_line) != 0 ? active + 1 : 0;
+      active = (f.limits & emergency_stop) != 0 ? active + 1 : 0;
       if (active >= 1 && active <= 3) f.state = State::kForce;
     }});
     const auto finding = bench.check("e-stop");
@@ -169,7 +169,7 @@ TEST_CASE("hil: a device that brakes late, or does not stay in BRAKE, is bad") {
   }
   SECTION("an e-stop that is forgotten when it is released") {
     HilBench bench({.alter_state = [&](std::uint64_t, firmware::StateFrame& f) {
-      if (f.fault == 2 && (f.limits & stop_line) == 0) {
+      if (f.fault == 2 && (f.limits & emergency_stop) == 0) {
         f.state = State::kIdle;
         f.fault = 0;
       }
@@ -207,7 +207,7 @@ TEST_CASE("hil: a device of another description is found by its identity") {
 
 TEST_CASE("hil: a check that leaves the device in BRAKE for good is bad, whatever it found") {
   HilBench bench;
-  bench.link.as<TamperedLink>()->bench.stop_line = true;  // nobody releases it
+  bench.link.as<TamperedLink>()->bench.emergency_stop = true;  // nobody releases it
   const auto finding = bench.check("losses");
   CHECK(finding.verdict == CheckVerdict::kBad);
   CHECK_THAT(finding.reason, Contains("e-stop"));

@@ -90,7 +90,7 @@ class SimulatedBoard {
     inputs.time_us = static_cast<std::uint64_t>(began_ns_) / 1000;
     inputs.buttons = buttons;
     inputs.motor_bus_ok = motor_bus_ok;
-    inputs.stop_line = stop_line.active();
+    inputs.emergency_stop = stop_line.active();
   }
 
   void drive(const firmware::ControllerOutputs& next) noexcept { outputs_ = next; }

@@ -18,7 +18,7 @@ class SimulatedBench {
       : link_(profile, hal::HandModel{}, period_ns, hal::LoopbackLink::Stamp::kClock) {}
 
   hal::ReceivedFrame receive(std::span<std::byte, firmware::kMaxFrameSize> buffer) noexcept {
-    link_.set_stop_line(stop_line.load(std::memory_order_relaxed));
+    link_.set_emergency_stop(emergency_stop.load(std::memory_order_relaxed));
     link_.set_plugged(!unplugged.load(std::memory_order_relaxed));
     if (corrupt.load(std::memory_order_relaxed)) link_.corrupt_states(1);
     return link_.receive(buffer);
@@ -30,7 +30,7 @@ class SimulatedBench {
     return link_.call(request, timeout);
   }
 
-  std::atomic<bool> stop_line{false}, unplugged{false}, corrupt{false};
+  std::atomic<bool> emergency_stop{false}, unplugged{false}, corrupt{false};
   const hal::LoopbackLink& truth() const noexcept { return link_; }
 
  private:
@@ -44,7 +44,7 @@ class ProvokeSimulated final : public Provoker {
  public:
   explicit ProvokeSimulated(SimulatedBench& bench) : bench_(bench) {}
   Status set(const std::string& fault, bool on) override {
-    std::atomic<bool>* line = fault == "estop"     ? &bench_.stop_line
+    std::atomic<bool>* line = fault == "estop"     ? &bench_.emergency_stop
                               : fault == "unplug"  ? &bench_.unplugged
                               : fault == "corrupt" ? &bench_.corrupt
                                                    : nullptr;

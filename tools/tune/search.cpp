@@ -15,12 +15,12 @@ constexpr double kWorth = 0.98, kForNothing = 1.005;
 
 // `what`: a member of Setting, or a function that returns a reference to the part that changes.
 template <class What, class T>
-void add(std::vector<SettingStep>& notches, const char* factor, const Setting& from, What what, T to) {
+void add(std::vector<SettingStep>& changes, const char* factor, const Setting& from, What what, T to) {
   const T now = std::invoke(what, from);
   if (now == to) return;
-  SettingStep notch{.factor = factor, .from = fmt::format("{}", now), .to = fmt::format("{}", to), .setting = from};
-  std::invoke(what, notch.setting) = to;
-  notches.push_back(notch);
+  SettingStep change{.factor = factor, .from = fmt::format("{}", now), .to = fmt::format("{}", to), .setting = from};
+  std::invoke(what, change.setting) = to;
+  changes.push_back(change);
 }
 
 constexpr auto kRatioOf = [](auto& setting) -> auto& { return setting.scheme.ratio; };
@@ -36,35 +36,35 @@ bool Trial::fits(const Limits& limits) const {
          setting.sub_steps <= limits.sub_steps;
 }
 
-std::vector<SettingStep> notches_up(const Setting& s, const Limits& limits) {
-  std::vector<SettingStep> notches;
-  if (2 * s.sub_steps <= limits.sub_steps) add(notches, "sub-steps", s, &Setting::sub_steps, 2 * s.sub_steps);
-  if (s.relax_sweeps < 2) add(notches, "relax sweeps", s, &Setting::relax_sweeps, 2u);
+std::vector<SettingStep> changes_up(const Setting& s, const Limits& limits) {
+  std::vector<SettingStep> changes;
+  if (2 * s.sub_steps <= limits.sub_steps) add(changes, "sub-steps", s, &Setting::sub_steps, 2 * s.sub_steps);
+  if (s.relax_sweeps < 2) add(changes, "relax sweeps", s, &Setting::relax_sweeps, 2u);
   const unsigned most = std::min(limits.members, limits.bodies);
-  if (s.members < most) add(notches, "members", s, &Setting::members, std::min(2 * s.members, most));
-  if (2 * s.members < most) add(notches, "members", s, &Setting::members, most);
+  if (s.members < most) add(changes, "members", s, &Setting::members, std::min(2 * s.members, most));
+  if (2 * s.members < most) add(changes, "members", s, &Setting::members, most);
   const auto below = std::lower_bound(kRatios.begin(), kRatios.end(), s.scheme.ratio);
-  if (below != kRatios.begin()) add(notches, "ratio", s, kRatioOf, *(below - 1));
-  return notches;
+  if (below != kRatios.begin()) add(changes, "ratio", s, kRatioOf, *(below - 1));
+  return changes;
 }
 
-std::vector<SettingStep> notches_down(const Setting& s, const Limits& limits) {
-  std::vector<SettingStep> notches;
+std::vector<SettingStep> changes_down(const Setting& s, const Limits& limits) {
+  std::vector<SettingStep> changes;
   const unsigned sub_steps = std::min(std::max(1u, s.sub_steps / 2), limits.sub_steps);
   if (sub_steps >= experiment::least_sub_steps(s.contact_Hz))
-    add(notches, "sub-steps", s, &Setting::sub_steps, sub_steps);
-  if (s.relax_sweeps > 1) add(notches, "relax sweeps", s, &Setting::relax_sweeps, 1u);
-  add(notches, "members", s, &Setting::members, std::min({std::max(1u, s.members / 2), limits.members, limits.bodies}));
+    add(changes, "sub-steps", s, &Setting::sub_steps, sub_steps);
+  if (s.relax_sweeps > 1) add(changes, "relax sweeps", s, &Setting::relax_sweeps, 1u);
+  add(changes, "members", s, &Setting::members, std::min({std::max(1u, s.members / 2), limits.members, limits.bodies}));
   const auto above = std::upper_bound(kRatios.begin(), kRatios.end(), s.scheme.ratio);
-  if (above != kRatios.end()) add(notches, "ratio", s, kRatioOf, *above);
-  return notches;
+  if (above != kRatios.end()) add(changes, "ratio", s, kRatioOf, *above);
+  return changes;
 }
 
-std::vector<SettingStep> notches_stiffer(const Setting& s) {
-  std::vector<SettingStep> notches;
+std::vector<SettingStep> changes_stiffer(const Setting& s) {
+  std::vector<SettingStep> changes;
   if (s.sub_steps >= experiment::least_sub_steps(2 * s.contact_Hz))
-    add(notches, "contact frequency [Hz]", s, &Setting::contact_Hz, 2 * s.contact_Hz);
-  return notches;
+    add(changes, "contact frequency [Hz]", s, &Setting::contact_Hz, 2 * s.contact_Hz);
+  return changes;
 }
 
 Found search(const Setting& start, const Limits& limits, const Measure& measure) {
@@ -72,7 +72,7 @@ Found search(const Setting& start, const Limits& limits, const Measure& measure)
   found.best = measure(start);
   for (unsigned round = 0; round < kMaxRounds && !found.best.fits(limits); ++round) {
     std::vector<Trial> tried;
-    for (const SettingStep& notch : notches_down(found.best.setting, limits)) tried.push_back(measure(notch.setting));
+    for (const SettingStep& change : changes_down(found.best.setting, limits)) tried.push_back(measure(change.setting));
     std::erase_if(tried, [&](const Trial& t) { return !t.fits(limits) && !cheaper(t, found.best); });
     if (tried.empty()) return found;
     // Of the settings within the limits, or else of the cheaper ones, the most accurate.
@@ -84,8 +84,8 @@ Found search(const Setting& start, const Limits& limits, const Measure& measure)
   if (!found.fits) return found;
   for (unsigned round = 0; round < kMaxRounds; ++round) {
     Trial next = found.best;
-    for (const SettingStep& notch : notches_up(found.best.setting, limits)) {
-      const Trial trial = measure(notch.setting);
+    for (const SettingStep& change : changes_up(found.best.setting, limits)) {
+      const Trial trial = measure(change.setting);
       const double worth = kWorth * found.best.force_error;
       if (trial.fits(limits) && trial.force_error < std::min(worth, next.force_error)) next = trial;
     }
@@ -93,9 +93,9 @@ Found search(const Setting& start, const Limits& limits, const Measure& measure)
     found.best = next;
   }
   const double error = found.best.force_error;
-  for (const SettingStep& notch : notches_down(found.best.setting, limits)) {
-    if (notch.factor == "ratio") continue;  // the ratio changes only the global world's time
-    const Trial trial = measure(notch.setting);
+  for (const SettingStep& change : changes_down(found.best.setting, limits)) {
+    if (change.factor == "ratio") continue;  // the ratio changes only the global world's time
+    const Trial trial = measure(change.setting);
     if (trial.fits(limits) && trial.force_error <= kForNothing * error && cheaper(trial, found.best)) {
       found.best = trial;
       break;

@@ -43,10 +43,10 @@ struct SettingStep {
 
 // Steps from `setting`, one factor at a time: towards higher accuracy, and back. Within the limits of members and
 // sub-steps.
-std::vector<SettingStep> notches_up(const Setting& setting, const Limits& limits);
-std::vector<SettingStep> notches_down(const Setting& setting, const Limits& limits);
+std::vector<SettingStep> changes_up(const Setting& setting, const Limits& limits);
+std::vector<SettingStep> changes_down(const Setting& setting, const Limits& limits);
 // Steps to stiffer contacts, if the sub-steps resolve them; otherwise empty.
-std::vector<SettingStep> notches_stiffer(const Setting& setting);
+std::vector<SettingStep> changes_stiffer(const Setting& setting);
 
 using Measure = std::function<Trial(const Setting&)>;
 

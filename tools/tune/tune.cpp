@@ -159,8 +159,8 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
 Trial step_back(const Trial& from, const RealRun& real, const Limits& limits, Bench& bench) {
   const bool world_is_late = real.late_share > kMaxMissed;
   std::vector<Trial> tried;
-  for (const SettingStep& notch : notches_down(from.setting, limits))
-    if ((notch.factor == "ratio") == world_is_late) tried.push_back(bench.measure(notch.setting));
+  for (const SettingStep& change : changes_down(from.setting, limits))
+    if ((change.factor == "ratio") == world_is_late) tried.push_back(bench.measure(change.setting));
   if (tried.empty()) return from;
   return *std::min_element(tried.begin(), tried.end(),
                            [](const Trial& a, const Trial& b) { return a.force_error < b.force_error; });
@@ -222,11 +222,11 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
     report.chosen = step_back(report.chosen, report.real, report.limits, bench);
   }
   pinned.emplace();
-  std::vector<SettingStep> further = notches_up(report.chosen.setting, report.limits);
-  for (const SettingStep& notch : notches_stiffer(report.chosen.setting)) further.push_back(notch);
-  for (const SettingStep& notch : further) {
-    const Trial trial = measure(notch.setting);
-    report.further.push_back({notch, trial, trial.fits(report.limits)});
+  std::vector<SettingStep> further = changes_up(report.chosen.setting, report.limits);
+  for (const SettingStep& change : changes_stiffer(report.chosen.setting)) further.push_back(change);
+  for (const SettingStep& change : further) {
+    const Trial trial = measure(change.setting);
+    report.further.push_back({change, trial, trial.fits(report.limits)});
   }
   report.trials = bench.trials();
   return report;

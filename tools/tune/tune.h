@@ -43,7 +43,7 @@ struct RealRun {
 };
 
 struct FurtherStep {
-  SettingStep notch;
+  SettingStep change;
   Trial trial;
   bool fits{false};
 };

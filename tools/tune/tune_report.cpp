@@ -19,7 +19,7 @@ std::string line_of(const char* name, const Trial& t) {
 }
 
 bool is_stiffer(const FurtherStep& step, const Trial& chosen) {
-  return step.notch.setting.contact_Hz != chosen.setting.contact_Hz;
+  return step.change.setting.contact_Hz != chosen.setting.contact_Hz;
 }
 
 // "members 16 -> 20: saves 0.31 % of force error, costs 24 us a tick; fits"
@@ -32,8 +32,8 @@ std::string sentence_of(const FurtherStep& step, const Trial& chosen, const Limi
           ? "overlaps a quarter as deep"
           : fmt::format("{} {:.3f} % of force error", error <= 0 ? "saves" : "adds", std::abs(error));
   std::string text =
-      fmt::format("{} {} -> {}: {}, {} {:.0f} us a tick and {} {:.0f} us of the global world's; ", step.notch.factor,
-                  step.notch.from, step.notch.to, buys, time_us <= 0 ? "saves" : "costs", std::abs(time_us),
+      fmt::format("{} {} -> {}: {}, {} {:.0f} us a tick and {} {:.0f} us of the global world's; ", step.change.factor,
+                  step.change.from, step.change.to, buys, time_us <= 0 ? "saves" : "costs", std::abs(time_us),
                   global_us <= 0 ? "saves" : "costs", std::abs(global_us));
   if (step.fits) return text + "fits";
   return text + (step.trial.tick_us_p99 > limits.tick_us
@@ -95,9 +95,9 @@ std::string tune_json(const TuneReport& r) {
   ordered_json further = ordered_json::array();
   for (const FurtherStep& step : r.further) {
     ordered_json one = to_json(step.trial);
-    one["factor"] = step.notch.factor;
-    one["from"] = step.notch.from;
-    one["to"] = step.notch.to;
+    one["factor"] = step.change.factor;
+    one["from"] = step.change.from;
+    one["to"] = step.change.to;
     one["fits"] = step.fits;
     one["sentence"] = sentence_of(step, r.chosen, r.limits);
     further.push_back(one);

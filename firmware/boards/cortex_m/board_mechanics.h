@@ -26,7 +26,7 @@ class BoardMechanics {
     const std::uint32_t pins = registers_.pins;
     inputs.time_us = clock_.now_us();
     inputs.buttons = static_cast<std::uint8_t>(pins >> kFirstButtonPin);
-    inputs.stop_line = (pins & kPinStopReleased) == 0;
+    inputs.emergency_stop = (pins & kPinStopReleased) == 0;
     inputs.motor_bus_ok = (pins & kPinSupplyGood) != 0;
     inputs.encoder_errors = static_cast<std::uint8_t>(registers_.encoder_errors & ((1u << kAxes) - 1u));
     inputs.index_edges = 0;

@@ -135,7 +135,7 @@ void LinuxMechanics::sample(ControllerInputs& inputs) noexcept {
     inputs.encoder_errors = static_cast<std::uint8_t>(inputs.encoder_errors | 1u << i);
     check(false);
   }
-  inputs.stop_line = is_active(stop_line_, false);
+  inputs.emergency_stop = is_active(stop_line_, false);
   const bool bus_good = is_active(motor_bus_, true);
   inputs.motor_bus_ok = bus_good && good_;
   good_ = true;  // the next drive() and sample() clear it on a failure

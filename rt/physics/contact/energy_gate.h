@@ -27,9 +27,9 @@ struct EnergyChange {
 
   void add(const SolverBody<T>& body, const SymMat3<T>& inverse_inertia, const Twist<T>& change) noexcept {
     const Vec3<T> momentum = (T(1) / body.inverse_mass) * change.linear,
-                  turning = inverse(inverse_inertia) * change.angular;
-    const T by_change = dot(momentum, change.linear) + dot(turning, change.angular);
-    linear += dot(momentum, body.v) + dot(turning, body.w) - by_change;
+                  angular_momentum = inverse(inverse_inertia) * change.angular;
+    const T by_change = dot(momentum, change.linear) + dot(angular_momentum, change.angular);
+    linear += dot(momentum, body.v) + dot(angular_momentum, body.w) - by_change;
     quadratic += by_change;
   }
   bool gains() const noexcept { return linear + T(0.5) * quadratic > T(0); }

@@ -20,7 +20,7 @@ void Attraction::pull(StageContext& c) noexcept {
     Vec3d sum;
     for (std::uint32_t i = 0; i < c.motion.size(); ++i) {
       const BodyId id = c.bodies[i].id;
-      if (i == source_slot || c.held[i] != 0 || id >= setup_.weight_by_id.size()) continue;
+      if (i == source_slot || c.frozen[i] != 0 || id >= setup_.weight_by_id.size()) continue;
       const Vec3d d = from - place_of(i);
       const double square = norm_squared(d) + source.softening_m * source.softening_m;
       const double strength = source.strength_Nm2 * setup_.weight_by_id[id] / (square * std::sqrt(square));

@@ -30,7 +30,7 @@ void ContinuousCollision::register_stages(StageTable& table) noexcept {
 void ContinuousCollision::look_around(StageContext& c) noexcept {
   near_.clear();
   proxy_ = find_slot(c.bodies, setup_.proxy);
-  if (proxy_ == kNoSlot || c.held[proxy_] != 0) return;
+  if (proxy_ == kNoSlot || c.frozen[proxy_] != 0) return;
   const Body& proxy = c.bodies[proxy_];
   const double dt = c.settings.dt, reach = dt * surface_speed(proxy, c.motion[proxy_].v, c.motion[proxy_].w);
   if (reach < kSafePart * c.settings.max_margin) return;
@@ -60,9 +60,9 @@ void ContinuousCollision::hold_back(StageContext& c) noexcept {
     const SolverBody<double>& state_a = c.motion[proxy_];
     const SolverBody<double>& state_b = near.fixed ? kStill : c.motion[near.slot];
     const Posed pose_a = pose_now(a, state_a), pose_b = near.fixed ? b.motion.pose : pose_now(b, state_b);
-    const double turning =
+    const double surface_speed =
         (near.fixed ? 0.0 : norm(state_b.w) * bounding_radius(b.shape)) + norm(state_a.w) * bounding_radius(a.shape);
-    const double reach = c.h * (norm(state_b.v - state_a.v) + turning);
+    const double reach = c.h * (norm(state_b.v - state_a.v) + surface_speed);
     for_each_manifold(
         {a.shape, pose_a}, {b.shape, pose_b}, reach, setup_.shapes,
         [&](std::uint32_t, std::uint32_t, const Manifold& manifold) noexcept { hold_back_at(near, manifold, c); });

@@ -44,15 +44,15 @@ void ContactTorque::list(StageContext& c) noexcept {
     double pressed = 0.0;
     for (std::uint32_t i = 0; i < contact.count; ++i) pressed += contact.points[i].normal_impulse;
     if ((radius == 0.0 && rolling == 0.0) || pressed == 0.0) continue;
-    SymMat3d turning = c.inverse_inertia[contact.slot_a];
-    if (!contact.b_fixed) turning = turning + c.inverse_inertia[contact.slot_b];
+    SymMat3d inverse_inertia = c.inverse_inertia[contact.slot_a];
+    if (!contact.b_fixed) inverse_inertia = inverse_inertia + c.inverse_inertia[contact.slot_b];
     Row row;
     row.contact = k;
     if (contact.count > 1) {
       const auto line = line_of(contact, rolling);
       if (!line) continue;
       row.t1 = *line;
-      row.roll_mass = invert_or_zero(dot(turning * row.t1, row.t1));
+      row.roll_mass = invert_or_zero(dot(inverse_inertia * row.t1, row.t1));
       row.most_roll = rolling * pressed;
       (void)rows_.try_push(row);
       continue;
@@ -60,8 +60,9 @@ void ContactTorque::list(StageContext& c) noexcept {
     const auto [t1, t2] = tangents_of(contact.normal);
     row.t1 = t1;
     row.t2 = t2;
-    row.spin_mass = invert_or_zero(dot(turning * contact.normal, contact.normal));
-    row.roll_mass = tangent_mass_of(dot(turning * t1, t1), dot(turning * t2, t2), dot(turning * t1, t2));
+    row.spin_mass = invert_or_zero(dot(inverse_inertia * contact.normal, contact.normal));
+    row.roll_mass =
+        tangent_mass_of(dot(inverse_inertia * t1, t1), dot(inverse_inertia * t2, t2), dot(inverse_inertia * t1, t2));
     row.most_spin = c.settings.friction ? (2.0 / 3) * contact.friction * radius * pressed : 0.0;
     row.most_roll = rolling * pressed;
     (void)rows_.try_push(row);

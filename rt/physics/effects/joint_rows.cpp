@@ -88,16 +88,16 @@ Joints::Side Joints::side(StageContext& c, Row& row, std::uint32_t slot) noexcep
 
 // Applies the impulse p at r [m, from the centre] and the angular impulse m to the body.
 void Joints::push(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& m) noexcept {
-  const Vec3d turning = cross(r, p) + m;
+  const Vec3d angular_impulse = cross(r, p) + m;
   if (side.ghost != nullptr) {
-    const Twistd change = side.ghost->admittance * Wrenchd{p, turning};
+    const Twistd change = side.ghost->admittance * Wrenchd{p, angular_impulse};
     side.ghost->velocity += change;
     side.body.v += change.linear;
     side.body.w += change.angular;
     return;
   }
   side.body.v += side.body.inverse_mass * p;
-  side.body.w += side.inverse_inertia * turning;
+  side.body.w += side.inverse_inertia * angular_impulse;
 }
 
 // Change of velocity along p at r per unit impulse along q at r.
@@ -152,11 +152,11 @@ void Joints::fill_masses(Row& row, const Side& a, const Side& b) const noexcept 
   const auto linear = [&](const Vec3d& p, const Vec3d& q) noexcept {
     return answer(a, row.r_a, p, q) + answer(b, row.r_b, p, q);
   };
-  const auto turning_of = [](const Side& side) noexcept {
+  const auto angular_response_of = [](const Side& side) noexcept {
     return side.ghost != nullptr ? side.ghost->admittance.angular : side.inverse_inertia;
   };
-  const SymMat3d turning = turning_of(a) + turning_of(b);
-  const auto angular = [&](const Vec3d& p, const Vec3d& q) noexcept { return dot(turning * p, q); };
+  const SymMat3d angular_response = angular_response_of(a) + angular_response_of(b);
+  const auto angular = [&](const Vec3d& p, const Vec3d& q) noexcept { return dot(angular_response * p, q); };
   row.linear_mass = mass_of(row.axes, locks_of(kind).linear, linear);
   row.angular_mass = mass_of(row.axes, locks_of(kind).angular, angular);
   row.axis_mass = invert_or_zero(kind == JointKind::kHinge ? angular(row.axis, row.axis) : linear(row.axis, row.axis));
@@ -185,16 +185,17 @@ void Joints::fill_give(Row& row, const Side& a, const Side& b, const Softness<do
   const auto both = [&](const Vec3d& p, const Vec3d& q) noexcept {
     return answer(a, row.r_a, p, q) + answer(b, row.r_b, p, q) + linear(p, q);
   };
-  const auto turning_of = [](const Side& side) noexcept {
+  const auto angular_response_of = [](const Side& side) noexcept {
     return side.ghost != nullptr ? side.ghost->admittance.angular : side.inverse_inertia;
   };
-  const auto own_turning_of = [&](const Side& side) noexcept {
+  const auto own_angular_response_of = [&](const Side& side) noexcept {
     return side.ghost != nullptr ? row.own_inverse_inertia : side.inverse_inertia;
   };
-  const SymMat3d turning = turning_of(a) + turning_of(b), own_turning = own_turning_of(a) + own_turning_of(b);
-  const auto angular = [&](const Vec3d& p, const Vec3d& q) noexcept { return give * dot(own_turning * p, q); };
+  const SymMat3d angular_response = angular_response_of(a) + angular_response_of(b),
+                 own_angular_response = own_angular_response_of(a) + own_angular_response_of(b);
+  const auto angular = [&](const Vec3d& p, const Vec3d& q) noexcept { return give * dot(own_angular_response * p, q); };
   const auto both_angular = [&](const Vec3d& p, const Vec3d& q) noexcept {
-    return dot(turning * p, q) + angular(p, q);
+    return dot(angular_response * p, q) + angular(p, q);
   };
   row.linear_soft_mass = mass_of(row.axes, locks.linear, both);
   row.angular_soft_mass = mass_of(row.axes, locks.angular, both_angular);
@@ -380,7 +381,7 @@ void Joints::finish(StageContext& c) noexcept {
   const double rate = 1.0 / c.settings.dt;
   for (Row& row : rows_) {
     const bool still =
-        (row.slot_a == kOutside || c.held[row.slot_a] != 0) && (row.slot_b == kOutside || c.held[row.slot_b] != 0);
+        (row.slot_a == kOutside || c.frozen[row.slot_a] != 0) && (row.slot_b == kOutside || c.frozen[row.slot_b] != 0);
     if (still) continue;  // solved elsewhere, or not at all
     add_to_sums(c, row);
     const Joint& joint = joints_[row.joint];

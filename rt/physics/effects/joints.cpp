@@ -172,7 +172,7 @@ void Joints::add_row(StageContext& c, std::uint32_t k, std::uint32_t slot_a, std
 }
 
 double Joints::springs_J(std::span<const Body> bodies, std::span<const Body> fixed_bodies,
-                         std::span<const std::uint8_t> held, double contact_hertz) const noexcept {
+                         std::span<const std::uint8_t> frozen, double contact_hertz) const noexcept {
   double sum = 0.0;
   for_each_active(bodies, fixed_bodies, [&](std::uint32_t k, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
     Row row = row_of(k, slot_a, slot_b, bodies, fixed_bodies);
@@ -180,7 +180,7 @@ double Joints::springs_J(std::span<const Body> bodies, std::span<const Body> fix
     SolverBody<double> a, b;
     SymMat3d inertia_a, inertia_b;
     const auto take = [&](std::uint32_t slot, SolverBody<double>& body, SymMat3d& inverse_inertia) noexcept {
-      if (slot == kOutside || held[slot] != 0) return;
+      if (slot == kOutside || frozen[slot] != 0) return;
       body.inverse_mass = 1.0 / bodies[slot].mass;
       const Vec3d& inertia = bodies[slot].inertia;
       inverse_inertia =

@@ -54,9 +54,9 @@ class Joints {
 
   // Energy of the springs that hold the joints together at the bodies' poses [J]: sum of e . M e w^2 / 2 over locked
   // axes and passed limits, w = 2 pi contact_hertz, e: the error, M: the effective mass. Of joints between two of these
-  // bodies, or one of them and a fixed body or the world. `held`, by slot: 1: of infinite mass.
-  double springs_J(std::span<const Body> bodies, std::span<const Body> fixed_bodies, std::span<const std::uint8_t> held,
-                   double contact_hertz) const noexcept;
+  // bodies, or one of them and a fixed body or the world. `frozen`, by slot: 1: of infinite mass.
+  double springs_J(std::span<const Body> bodies, std::span<const Body> fixed_bodies,
+                   std::span<const std::uint8_t> frozen, double contact_hertz) const noexcept;
 
   void reset() noexcept;
   void save(ByteWriter& out) const noexcept;

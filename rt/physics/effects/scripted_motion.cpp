@@ -47,7 +47,7 @@ void ScriptedMotion::take_hold(StageContext& c) noexcept {
   followers_.clear();
   for (std::uint32_t k = 0; k < setup_.scripts.size(); ++k) {
     const std::uint32_t slot = find_slot(c.bodies, setup_.scripts[k].id);
-    if (slot == kNoSlot || c.held[slot] != 0) continue;
+    if (slot == kNoSlot || c.frozen[slot] != 0) continue;
     c.motion[slot].inverse_mass = c.motion[slot].gyroscopic = 0.0;
     c.inverse_inertia[slot] = {};
     const Posed& pose = c.bodies[slot].motion.pose;

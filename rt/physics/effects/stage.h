@@ -43,7 +43,7 @@ inline constexpr std::uint32_t kMaxStages = 16;
 struct StageContext {
   std::span<Body> bodies;  // poses and velocities at the start of the step, until the solver stores the results
   std::span<const Body> fixed_bodies;
-  std::span<const std::uint8_t> held;  // 1: neither moves nor takes impulses in this solve
+  std::span<const std::uint8_t> frozen;  // 1: neither moves nor takes impulses in this solve
   std::span<Contact> contacts;
   const StepSettings& settings;
   StepReport& report;

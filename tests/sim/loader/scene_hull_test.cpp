@@ -179,14 +179,14 @@ TEST_CASE("The largest gap between a file's surface and its hull is reported, in
   REQUIRE(apart.size() == 1);
   CHECK_THAT(apart[0], Contains("3:[body.1] file is not convex") && Contains("up to 30 mm, at [0.05, ") &&
                            Contains("several bodies"));
-  // A notch of 40 x 40 mm from a corner of a cube of 100 mm: the corner inside is 40 / sqrt 2 mm below the hull.
-  const auto notch = warnings_for(
+  // A change of 40 x 40 mm from a corner of a cube of 100 mm: the corner inside is 40 / sqrt 2 mm below the hull.
+  const auto change = warnings_for(
       "v 0 0 0\nv 100 0 0\nv 100 60 0\nv 60 60 0\nv 60 100 0\nv 0 100 0\n"
       "v 0 0 100\nv 100 0 100\nv 100 60 100\nv 60 60 100\nv 60 100 100\nv 0 100 100\n"
       "f 1 6 5 4\nf 1 4 3 2\nf 7 8 9 10\nf 7 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 "
       "1 7 12\n");
-  REQUIRE(notch.size() == 1);
-  CHECK_THAT(notch[0], Contains("up to 28.3 mm, at [0.06, 0.06, "));
+  REQUIRE(change.size() == 1);
+  CHECK_THAT(change[0], Contains("up to 28.3 mm, at [0.06, 0.06, "));
 }
 
 TEST_CASE("A file whose surface is open is said to be open, with what the hull closes") {

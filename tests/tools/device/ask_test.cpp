@@ -110,7 +110,7 @@ TEST_CASE("the registers that a description needs: those of its device do, other
 TEST_CASE("the fault log is told in words, and an empty one as empty") {
   OneDevice one;
   CHECK(read_fault_log(one.link).value().empty());
-  one.bench().stop_line.store(true);
+  one.bench().emergency_stop.store(true);
   one.run(3);
   const auto entries = read_fault_log(one.link);
   REQUIRE(entries.ok());

@@ -44,7 +44,7 @@ TEST_CASE("Where time allows everything, everything is taken") {
   CHECK(found.best.setting.members == 64);
 }
 
-TEST_CASE("What is chosen fits, and no notch from there is more accurate and fits too") {
+TEST_CASE("What is chosen fits, and no change from there is more accurate and fits too") {
   for (const double cost : {0.3, 0.7, 1.3, 2.0, 4.0}) {
     Model model{.us_per_member_sub_step = cost};
     const Found found = search(setting(4, 1, 16, 8), kLimits, std::ref(model));
@@ -52,8 +52,8 @@ TEST_CASE("What is chosen fits, and no notch from there is more accurate and fit
     CHECK(found.fits);
     CHECK(found.best.fits(kLimits));
     CHECK(found.best.force_error <= model(setting(4, 1, 16, 8)).force_error);
-    for (const SettingStep& notch : notches_up(found.best.setting, kLimits)) {
-      const Trial further = model(notch.setting);
+    for (const SettingStep& change : changes_up(found.best.setting, kLimits)) {
+      const Trial further = model(change.setting);
       CHECK((!further.fits(kLimits) || further.force_error >= 0.98 * found.best.force_error));
     }
   }
@@ -75,14 +75,14 @@ TEST_CASE("Where the global world is too slow the ratio rises, and where nothing
   CHECK_FALSE(search(setting(4, 1, 16, 8), kLimits, std::ref(hopeless)).fits);
 }
 
-TEST_CASE("A notch changes one factor, stays within the limits and resolves the contacts") {
+TEST_CASE("A change changes one factor, stays within the limits and resolves the contacts") {
   Limits limits = kLimits;
   limits.members = 20;
   limits.sub_steps = 8;
   for (const Setting& s : {setting(1, 1, 2, 16), setting(4, 2, 16, 10), setting(8, 2, 20, 1)}) {
-    for (const auto& notches : {notches_up(s, limits), notches_down(s, limits)})
-      for (const SettingStep& notch : notches) {
-        const Setting& to = notch.setting;
+    for (const auto& changes : {changes_up(s, limits), changes_down(s, limits)})
+      for (const SettingStep& change : changes) {
+        const Setting& to = change.setting;
         CHECK((to.sub_steps != s.sub_steps) + (to.relax_sweeps != s.relax_sweeps) + (to.members != s.members) +
                   (to.scheme.ratio != s.scheme.ratio) ==
               1);
@@ -92,7 +92,7 @@ TEST_CASE("A notch changes one factor, stays within the limits and resolves the 
         CHECK(to.contact_Hz <= 0.25 * to.sub_steps * 1000);
       }
   }
-  CHECK(notches_stiffer(setting(1, 1, 2, 8)).empty());
-  REQUIRE(notches_stiffer(setting(2, 1, 2, 8)).size() == 1);
-  CHECK(notches_stiffer(setting(2, 1, 2, 8))[0].setting.contact_Hz == 500);
+  CHECK(changes_stiffer(setting(1, 1, 2, 8)).empty());
+  REQUIRE(changes_stiffer(setting(2, 1, 2, 8)).size() == 1);
+  CHECK(changes_stiffer(setting(2, 1, 2, 8))[0].setting.contact_Hz == 500);
 }

@@ -180,7 +180,7 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, std::sp
   for (const Change& change : changes_of(settings[0], moving_bodies(written.value()))) {
     const auto at = std::find(settings.begin(), settings.end(), change.setting) - settings.begin();
     const CostPoint& to = report.points[first + static_cast<std::size_t>(at)];
-    report.notches.push_back({.scene = one.name,
+    report.changes.push_back({.scene = one.name,
                               .factor = change.factor,
                               .from = change.from,
                               .to = change.to,

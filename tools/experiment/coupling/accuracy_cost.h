@@ -44,7 +44,7 @@ struct CostRequest {
 
 struct CostReport {
   std::vector<CostPoint> points;
-  std::vector<NotchCost> notches;
+  std::vector<NotchCost> changes;
   unsigned seeds{0}, timed_seeds{0};  // hands; those whose ticks were timed, the first ones
   double period_us{0}, budget_us{0};  // of a tick: the whole period, and the governor's budget for computing
 };

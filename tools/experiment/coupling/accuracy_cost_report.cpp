@@ -14,14 +14,14 @@ namespace {
 using nlohmann::ordered_json;
 
 // One line for a step of one factor: change of the force error, of the tick's time, of the global world's time.
-std::string sentence_of(const NotchCost& notch) {
+std::string sentence_of(const NotchCost& change) {
   const auto word = [](double change, const char* more) { return change <= 0 ? "saves" : more; };
-  const double error = 100 * (notch.error_after - notch.error_before);
-  const double time_us = notch.tick_us_after - notch.tick_us_before;
-  const double global_us = notch.global_us_after - notch.global_us_before;
+  const double error = 100 * (change.error_after - change.error_before);
+  const double time_us = change.tick_us_after - change.tick_us_before;
+  const double global_us = change.global_us_after - change.global_us_before;
   return fmt::format(
       "{} {} -> {}: {} {:.2f} % of error, {} {:.0f} us a tick and {} {:.0f} us of the global world's time",
-      notch.factor, notch.from, notch.to, word(error, "adds"), std::abs(error), word(time_us, "costs"),
+      change.factor, change.from, change.to, word(error, "adds"), std::abs(error), word(time_us, "costs"),
       std::abs(time_us), word(global_us, "costs"), std::abs(global_us));
 }
 
@@ -102,8 +102,8 @@ std::string cost_table(const CostReport& report) {
         name_of_border(s.scheme), sim::name_of(s.order), sim::name_of(s.precision), 100 * p.force_error,
         p.hold_vibration_N, p.tick_us_p50, p.tick_us_p99, p.is_default ? "default" : "");
   }
-  text += "\nFrom the default, one notch at a time:\n";
-  for (const NotchCost& notch : report.notches) text += fmt::format("  {:<11} {}\n", notch.scene, sentence_of(notch));
+  text += "\nFrom the default, one change at a time:\n";
+  for (const NotchCost& change : report.changes) text += fmt::format("  {:<11} {}\n", change.scene, sentence_of(change));
   return text + fmt::format(
                     "\n{} seeds. error: RMS(F - F_ref) / RMS(F_ref), the reference being all bodies at 1 kHz with 16 "
                     "sub-steps and two\nrelax sweeps. us: CPU time of a tick on the haptic side, of {} of them on this "
@@ -112,9 +112,9 @@ std::string cost_table(const CostReport& report) {
 }
 
 std::string cost_json(const CostReport& report) {
-  ordered_json notches = ordered_json::array();
-  for (const NotchCost& n : report.notches)
-    notches.push_back({{"scene", n.scene},
+  ordered_json changes = ordered_json::array();
+  for (const NotchCost& n : report.changes)
+    changes.push_back({{"scene", n.scene},
                        {"factor", n.factor},
                        {"from", n.from},
                        {"to", n.to},
@@ -126,7 +126,7 @@ std::string cost_json(const CostReport& report) {
                        {"global_us_after", n.global_us_after},
                        {"sentence", sentence_of(n)}});
   return report_text(ordered_json{{"points", json_of(report.points)},
-                                  {"notches", notches},
+                                  {"changes", changes},
                                   {"seeds", report.seeds},
                                   {"timed_seeds", report.timed_seeds},
                                   {"period_us", report.period_us},

@@ -122,7 +122,7 @@ CheckFinding away(Bench& bench, const char* fault) {
 CheckFinding check_emergency_stop(Bench& bench) {
   constexpr std::uint32_t kMaxFrames = 2;
   const auto pressed = [](const Record& r) {
-    return r.got == Got::kFresh && (r.state.limits & bit_of(Limit::kStopLine)) != 0;
+    return r.got == Got::kFresh && (r.state.limits & bit_of(Limit::kEmergencyStop)) != 0;
   };
   const auto released = [&](const Record& r) { return r.got == Got::kFresh && !pressed(r); };
   CheckFinding finding;

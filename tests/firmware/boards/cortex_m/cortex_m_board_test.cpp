@@ -45,7 +45,7 @@ struct Bench {
 TEST_CASE("a board to which nothing is connected is stopped and without supply") {
   Bench b;
   const ControllerInputs inputs = b.sample();
-  CHECK(inputs.stop_line);
+  CHECK(inputs.emergency_stop);
   CHECK_FALSE(inputs.motor_bus_ok);
 }
 
@@ -58,7 +58,7 @@ TEST_CASE("the controller receives the contents of the registers") {
   }
   b.registers.encoder_errors = 0xfffffff0u | 1u << 5;
   const ControllerInputs inputs = b.sample();
-  CHECK_FALSE(inputs.stop_line);
+  CHECK_FALSE(inputs.emergency_stop);
   CHECK(inputs.motor_bus_ok);
   CHECK(inputs.buttons == 0xa5);
   CHECK(inputs.encoder_errors == 0x30);  // six axes

@@ -93,12 +93,12 @@ TEST_CASE("Linux board: counts, e-stop and supply are what the files say", "[fir
   board.set("count3", "-56\n");
   ControllerInputs inputs = sample(mechanics);
   CHECK(inputs.counts == AxisCounts{1234, 0, 0, -56, 0, 0});
-  CHECK_FALSE(inputs.stop_line);
+  CHECK_FALSE(inputs.emergency_stop);
   CHECK(inputs.motor_bus_ok);
   board.set("stop", "1\n");
   board.set("bus", "0\n");
   inputs = sample(mechanics);
-  CHECK(inputs.stop_line);
+  CHECK(inputs.emergency_stop);
   CHECK_FALSE(inputs.motor_bus_ok);
   CHECK(mechanics.failures() == 0);
 }
