@@ -14,7 +14,7 @@
 namespace tactus::experiment {
 namespace {
 
-// Tuned: the margin scaled to the cubes, and the walls' bounds, which never change, not refreshed.
+// Tuned: the margin in proportion to the cubes; the bounds of the walls, which never change, are not updated.
 constexpr btScalar kTunedMargin_m = 1e-3f;
 
 btVector3 as_bullet(const Vec3d& v) {
