@@ -58,8 +58,8 @@ void every_coupling_runs(std::size_t share, std::size_t shares) {
   for (std::size_t i = share; i < scenes.size(); i += shares) {
     const sim::Scene scene = scene_file(scenes[i]);
     const Felt direct = feel(scene, CouplingScheme::kDirect);
-    for (const auto coupling : {CouplingScheme::kSubWorld, CouplingScheme::kInterpolation, CouplingScheme::kStatic,
-                                CouplingScheme::kPlane, CouplingScheme::kPlanes, CouplingScheme::kLinearised}) {
+    for (const auto coupling : haptics::kCouplingSchemes) {
+      if (coupling == CouplingScheme::kDirect) continue;
       const Felt felt = feel(scene, coupling);
       INFO(scenes[i] << " " << sim::name_of(coupling));
       CHECK_FALSE(felt.fault);
