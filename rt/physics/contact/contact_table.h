@@ -65,7 +65,8 @@ class ContactTable {
 
   // Continues a contact of another world. If the pair's contact is along the same axis it gets these impulses
   // (start_impulses.h); else it is dropped, and the next build starts from `given` as with add_warm_start: at a corner
-  // two boxes may touch along either of two axes, and each world keeps the one that it has.
+  // two boxes may touch along either of two axes, and each world keeps the one that it has. Bound: linear in
+  // contacts.
   bool continue_contact(const WarmStart& given, double sub_step) noexcept;
 
   // Scales the impulses of contacts whose body A is flagged, by slot.

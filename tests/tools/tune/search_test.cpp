@@ -75,7 +75,7 @@ TEST_CASE("Where the global world is too slow the ratio rises, and where nothing
   CHECK_FALSE(search(setting(4, 1, 16, 8), kLimits, std::ref(hopeless)).fits);
 }
 
-TEST_CASE("A change changes one factor, stays within the limits and resolves the contacts") {
+TEST_CASE("A change of setting is of one factor, stays within the limits and resolves the contacts") {
   Limits limits = kLimits;
   limits.members = 20;
   limits.sub_steps = 8;

@@ -29,7 +29,7 @@ struct CostPoint {
 };
 
 // One factor changed by one step, all others at the default.
-struct NotchCost {
+struct ChangeCost {
   std::string scene, factor, from, to;
   double error_before{0}, error_after{0}, tick_us_before{0}, tick_us_after{0};
   double global_us_before{0}, global_us_after{0};  // per tick
@@ -44,7 +44,7 @@ struct CostRequest {
 
 struct CostReport {
   std::vector<CostPoint> points;
-  std::vector<NotchCost> changes;
+  std::vector<ChangeCost> changes;
   unsigned seeds{0}, timed_seeds{0};  // hands; those whose ticks were timed, the first ones
   double period_us{0}, budget_us{0};  // of a tick: the whole period, and the governor's budget for computing
 };

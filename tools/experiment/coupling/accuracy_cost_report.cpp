@@ -14,8 +14,8 @@ namespace {
 using nlohmann::ordered_json;
 
 // One line for a step of one factor: change of the force error, of the tick's time, of the global world's time.
-std::string sentence_of(const NotchCost& change) {
-  const auto word = [](double change, const char* more) { return change <= 0 ? "saves" : more; };
+std::string sentence_of(const ChangeCost& change) {
+  const auto word = [](double more_by, const char* more) { return more_by <= 0 ? "saves" : more; };
   const double error = 100 * (change.error_after - change.error_before);
   const double time_us = change.tick_us_after - change.tick_us_before;
   const double global_us = change.global_us_after - change.global_us_before;
@@ -103,7 +103,8 @@ std::string cost_table(const CostReport& report) {
         p.hold_vibration_N, p.tick_us_p50, p.tick_us_p99, p.is_default ? "default" : "");
   }
   text += "\nFrom the default, one change at a time:\n";
-  for (const NotchCost& change : report.changes) text += fmt::format("  {:<11} {}\n", change.scene, sentence_of(change));
+  for (const ChangeCost& change : report.changes)
+    text += fmt::format("  {:<11} {}\n", change.scene, sentence_of(change));
   return text + fmt::format(
                     "\n{} seeds. error: RMS(F - F_ref) / RMS(F_ref), the reference being all bodies at 1 kHz with 16 "
                     "sub-steps and two\nrelax sweeps. us: CPU time of a tick on the haptic side, of {} of them on this "
@@ -113,7 +114,7 @@ std::string cost_table(const CostReport& report) {
 
 std::string cost_json(const CostReport& report) {
   ordered_json changes = ordered_json::array();
-  for (const NotchCost& n : report.changes)
+  for (const ChangeCost& n : report.changes)
     changes.push_back({{"scene", n.scene},
                        {"factor", n.factor},
                        {"from", n.from},
@@ -126,7 +127,7 @@ std::string cost_json(const CostReport& report) {
                        {"global_us_after", n.global_us_after},
                        {"sentence", sentence_of(n)}});
   return report_text(ordered_json{{"points", json_of(report.points)},
-                                  {"changes", changes},
+                                  {"notches", changes},
                                   {"seeds", report.seeds},
                                   {"timed_seeds", report.timed_seeds},
                                   {"period_us", report.period_us},
