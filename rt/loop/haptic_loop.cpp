@@ -90,7 +90,7 @@ void HapticLoop::arm(std::uint32_t operator_bits, TickOutput& out) noexcept {
     state_.engaged = 0;
     guard_.rearm();
   }
-  if ((operator_bits & kEmergencyStop) != 0) {
+  if ((operator_bits & kEmergencyStopLine) != 0) {
     if (state_.fault == Fault::kNone) state_.fault = Fault::kEmergencyStop;
     state_.engaged = state_.rearm = 0;
   }

@@ -37,7 +37,7 @@ enum OperatorBit : std::uint32_t {
   kDisarm = 1u << 2,  // force off
   // The e-stop's status line beside the link is active: Fault kEmergencyStop, and zero force from this tick on, without
   // a fade. The cut itself happens in the firmware or the hardware.
-  kEmergencyStop = 1u << 3,
+  kEmergencyStopLine = 1u << 3,
   // Reset the scene: the force fades; the global world restarts with the proxy at the device's pose (clutch offsets
   // cleared); the proxy is left to come to rest; then the force returns. Not with the direct coupling.
   kReset = 1u << 4,

@@ -72,7 +72,7 @@ class TimedTick {
     const std::int64_t read_ns = Clock::now_ns();
     if (probe_ != nullptr) probe_->read_done(read_ns);
 
-    const std::uint32_t emergency_stop = lines_ != nullptr && lines_->estop() ? kEmergencyStop : 0u;
+    const std::uint32_t emergency_stop = lines_ != nullptr && lines_->estop() ? kEmergencyStopLine : 0u;
     Deadline deadline{timing.scheduled_ns + static_cast<std::int64_t>(kCutShare * static_cast<double>(period_ns_)),
                       cut_sweep_, probe_};
     const TickOutput& out = driver_.compute(operator_bits() | emergency_stop, {&Deadline::passed, &deadline},

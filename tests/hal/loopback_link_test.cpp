@@ -130,7 +130,7 @@ TEST_CASE("the loopback's e-stop and supply reach the firmware") {
   Rig rig;
   rig.command.wrench.force.x = 2;
   rig.ticks(10);
-  rig.link.set_stop_line(true);
+  rig.link.set_emergency_stop(true);
   rig.tick();
   CHECK(rig.input.sample.device_fault == static_cast<unsigned>(firmware::Fault::kEmergencyStop));
   CHECK(rig.link.motor_outputs().effort == firmware::AxisValues{});

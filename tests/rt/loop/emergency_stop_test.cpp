@@ -11,7 +11,7 @@ TEST_CASE("an active e-stop line gives zero force and requests BRAKE in the same
   Bench bench;
   bench.hold({0.002, 0, 0});
   REQUIRE(bench.force() == Approx(0.002 * kStiffness).epsilon(0.02));
-  bench.tick(kEmergencyStop);
+  bench.tick(kEmergencyStopLine);
   CHECK(bench.force() == 0);
   CHECK(norm(bench.out.command.wrench.torque) == 0);
   CHECK(bench.out.command.wanted == DeviceState::kBrake);
@@ -24,9 +24,9 @@ TEST_CASE("an active e-stop line gives zero force and requests BRAKE in the same
 TEST_CASE("a re-arm while the e-stop line is active does nothing, and brings the force back once it is released") {
   Bench bench;
   bench.hold({0.002, 0, 0});
-  bench.tick(kEmergencyStop);
+  bench.tick(kEmergencyStopLine);
   for (int i = 0; i < 20; ++i) {
-    bench.tick(kEmergencyStop | (i == 10 ? kRearm : 0u));
+    bench.tick(kEmergencyStopLine | (i == 10 ? kRearm : 0u));
     CHECK(bench.out.fault == Fault::kEmergencyStop);
     CHECK(bench.force() == 0);
     CHECK(bench.out.command.rearm == 0);
@@ -46,7 +46,7 @@ TEST_CASE("an e-stop line that comes after another fault leaves the first cause 
   bench.tick(0, ReadStatus::kDisconnected);
   REQUIRE(bench.out.fault == Fault::kDeviceUnplugged);
   REQUIRE(bench.force() > 0);
-  bench.tick(kEmergencyStop, ReadStatus::kDisconnected);
+  bench.tick(kEmergencyStopLine, ReadStatus::kDisconnected);
   CHECK(bench.out.fault == Fault::kDeviceUnplugged);
   CHECK(bench.force() == 0);
 }
