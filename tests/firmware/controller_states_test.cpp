@@ -51,8 +51,8 @@ void inflict(Bench& b, Event event) {
 
 // The rules in words, not the table.
 State expected(State state, Event event) {
-  const bool stops = event == Event::kEmergencyStop || event == Event::kSupervision || event == Event::kEffortNotFinite ||
-                     event == Event::kWantBrake;
+  const bool stops = event == Event::kEmergencyStop || event == Event::kSupervision ||
+                     event == Event::kEffortNotFinite || event == Event::kWantBrake;
   const bool stops_when_up = event == Event::kMotorBus || event == Event::kOverspeed;
   if (state == State::kBrake) return event == Event::kRearm ? State::kIdle : State::kBrake;
   if (stops) return State::kBrake;

@@ -409,11 +409,11 @@ TEST_CASE("A contact of another world continues along the axis that it has there
   REQUIRE(above.world.contacts()[0].normal == Vec3d{0, 0, 1});
   REQUIRE(beside.world.contacts()[0].normal == Vec3d{1, 0, 0});
   REQUIRE(beside.world.continue_contact(World::warm_start_of(above.world.contacts()[0], above.h()), beside.h()));
-  for (const BodyId id : {1, 2}) beside.world.find(id)->motion = above.world.find(id)->motion;
+  for (const BodyId id : {1u, 2u}) beside.world.find(id)->motion = above.world.find(id)->motion;
   above.step();
   beside.step();
   CHECK(beside.world.contacts()[0].normal.z > 0.999999);  // searched again: the bodies have turned a little
-  for (const BodyId id : {1, 2}) CHECK(norm(beside.velocity(id).linear - above.velocity(id).linear) < 1e-7);
+  for (const BodyId id : {1u, 2u}) CHECK(norm(beside.velocity(id).linear - above.velocity(id).linear) < 1e-7);
   CHECK(norm(above.velocity(2).linear) > 1e-3);
 }
 
