@@ -79,7 +79,7 @@ a_fault short-frame short 1 30 11
 # The field of an MIT frame wraps: the answer of the next period, and ten samples that are refused.
 if [ "$link" = can ]; then
   a_fault wrapped wrapped 1 30 12
-  grep -q 'FAULT at.*\(moved faster than it can\|outside its workspace\)' "$host_log"
+  wait_for grep -q 'FAULT at.*\(moved faster than it can\|outside its workspace\)' "$host_log"
   verdict "drives: wrapped: in words" "$(tail -n 3 "$host_log")"
 fi
 # No drive echoes a number: answers that all come two periods late look like others after a gap of two. The speed comes
