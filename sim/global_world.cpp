@@ -40,11 +40,6 @@ GlobalStep global_step_for(const Scene& scene, const GlobalOptions& options) noe
   return global_step(scene, options.reach.ratio, haptic_sub_steps_of(scene, options), ghosts);
 }
 
-physics::StepSettings settings_for(const Scene& scene, const GlobalOptions& options) noexcept {
-  return step_settings(scene, options.reach.ratio * options.reach.tick_period_s,
-                       global_step_for(scene, options).sub_steps);
-}
-
 SleepRule sleep_rule_for(const Scene& scene, const GlobalOptions& options, double step_s) noexcept {
   const SleepingChoice& choice = scene.sleeping;
   return {scene.effects.sleeping && !options.extraction.all_members, choice.max_speed_m_per_s,
@@ -79,8 +74,8 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
       options_(options),
       coupling_(traits_of(options.coupling)),
       border_(traits_of(options.border_mode)),
-      tick_by_tick_(global_step_for(scene, options).tick_by_tick),
-      settings_(settings_for(scene, options)),
+      global_step_(global_step_for(scene, options)),
+      settings_(step_settings(scene, options.reach.ratio * options.reach.tick_period_s, global_step_.sub_steps)),
       bounds_settings_(settings_),
       world_(world_of(scene, options)),
       islands_(sleep_rule_for(scene, options, settings_.dt), world_, capacities_for(scene).contacts),
@@ -108,7 +103,7 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
     }
   }
   regions_.resize(devices_.size());
-  bounds_settings_.sub_steps = global_step_for(scene, options).far_sub_steps;
+  bounds_settings_.sub_steps = global_step_.far_sub_steps;
   statistics_.bodies = static_cast<std::uint32_t>(islands_.bodies().size());
   statistics_.fixed_bodies = static_cast<std::uint32_t>(world_.fixed_bodies().size());
   statistics_.energy.complete = coupling_.border && devices_.size() == 1 && energy_balance_is_complete(scene);
@@ -393,7 +388,7 @@ void GlobalWorld::add_border_work() noexcept {
 // the last macro step), and one for a large world, since every further macro step costs as much again. The speed of
 // members counts only with ghosts: else their motion in the sub-world replaces that of the step.
 std::uint32_t GlobalWorld::macro_steps_of_step() noexcept {
-  if (tick_by_tick_) return options_.reach.ratio;
+  if (global_step_.tick_by_tick) return options_.reach.ratio;
   if (islands_.awake().size() > kMaxBodiesInMacroSteps) return 1;
   for (const Device& device : devices_)
     if (device.has_border && !border_.ghosts) return 1;

@@ -35,6 +35,7 @@
 #include "sim/exchange/sub_world_prediction.h"
 #include "sim/island_manager.h"
 #include "sim/model/scene.h"
+#include "sim/model/step_settings.h"
 #include "sim/worker_pool.h"
 
 namespace tactus::sim {
@@ -241,7 +242,7 @@ class GlobalWorld {
   GlobalOptions options_;
   haptics::CouplingTraits coupling_;
   physics::BorderTraits border_;
-  bool tick_by_tick_;          // GlobalStep
+  GlobalStep global_step_;
   WorkerPool* pool_{nullptr};  // null: the work is not shared
   bool stepped_{false};        // at least one step since the scene's start or reset
   double macro_step_s_{0};     // s: length of the last macro step; the contacts' impulses are over it

@@ -207,7 +207,7 @@ TEST_CASE("hil: a device of another description is found by its identity") {
 
 TEST_CASE("hil: a check that leaves the device in BRAKE for good is bad, whatever it found") {
   HilBench bench;
-  bench.link.as<TamperedLink>()->bench.emergency_stop = true;  // nobody releases it
+  bench.link.as<TamperedLink>()->bench.emergency_stop = true;  // and stays pressed
   const auto finding = bench.check("losses");
   CHECK(finding.verdict == CheckVerdict::kBad);
   CHECK_THAT(finding.reason, Contains("e-stop"));

@@ -67,7 +67,7 @@ TEST_CASE("What tips, rolls, hangs across the border or is hit is felt as in the
   }
 }
 
-// In a cycle of 16 ms a ball that is hit meets the next one, which is outside: 10.4 % with three members, 16 % with
+// In a cycle of 16 ms a ball that is hit meets the next one, which is outside: 10.4 % with three members, 18 % with
 // two.
 TEST_CASE("Newton's cradle is felt within 10 % through the border at ratio 16", "[!shouldfail]") {
   CHECK(runs_of("cradle", {16}, {3}, 3)[0].force_error < 0.1);
