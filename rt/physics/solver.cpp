@@ -64,6 +64,7 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
                     {.rule = input.border_rule,
                      .h = context.h,
                      .impulse_scale = input.impulse_scale,
+                     .sweep = context.rule,
                      .friction = settings.friction});
     context.ghosts = border_.ghosts();
     context.ghosts_may_supply = input.border_rule.available_J > 0.0;
@@ -245,6 +246,7 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
     for (auto& spring : springs_) spring.apply_held_inertia();
     border_.move_ghosts();
     run_stages(input, Phase::kMoved, context);
+    border_.find_offsets(state());
     bool counted = false;
     ++uncorrected;
     for (std::uint32_t k = 0; k < settings.relax_sweeps && go_on(); ++k) {

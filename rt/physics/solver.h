@@ -53,6 +53,7 @@ struct NoBorder {
   void warm_start(SolverBodies<S>) noexcept {}
   void solve(SolverBodies<S>, const SweepRule<S>&, bool) noexcept {}
   void move_ghosts() noexcept {}
+  void find_offsets(SolverBodies<S>) noexcept {}
   void end_sub_step(SolverBodies<S>) noexcept {}
   void scale_impulses(S) noexcept {}
 };

@@ -20,6 +20,11 @@ namespace {
 constexpr std::size_t kLongestText = 1024;
 constexpr std::size_t kLongestSocket = 107;  // limit of sockaddr_un
 
+template <class T>
+text::Range range_of(const char* noun, const session::Range<T>& range) {
+  return {noun, static_cast<double>(range.least), static_cast<double>(range.most)};
+}
+
 class ConfigurationReader {
  public:
   ConfigurationReader(const text::TomlNode& root, Configuration& into, std::filesystem::path folder,
@@ -76,7 +81,7 @@ class ConfigurationReader {
       ConfiguredDevice choice;
       choice.name = device_name(t, choice.name);
       choice.file = path(t, "file");
-      const unsigned core = t.count("core", 0, {"a core", 0, 4095});
+      const unsigned core = t.count("core", 0, range_of("a core", session::kCores));
       if (t.has("core")) choice.core = static_cast<int>(core);
       if (t.has("core")) must_be_there(t, "core", choice.core);
       if (c_.devices.empty())
@@ -105,20 +110,20 @@ class ConfigurationReader {
 
   void read_rates() {
     text::TableReader t = table("rates");
-    c_.run.rate_Hz = t.number("rate_Hz", c_.run.rate_Hz, {"a rate", 100, 10000});
-    const unsigned ratio = t.count("ratio", 10, {"a ratio", 1, 100});
+    c_.run.rate_Hz = t.number("rate_Hz", c_.run.rate_Hz, range_of("a rate", session::kRates_Hz));
+    const unsigned ratio = t.count("ratio", 10, range_of("a ratio", session::kRatios));
     if (t.has("ratio")) c_.run.ratio = ratio;
     t.finish();
   }
 
   void read_cores() {
     text::TableReader t = table("cores");
-    const unsigned core = t.count("haptic", 0, {"a core", 0, 4095});
+    const unsigned core = t.count("haptic", 0, range_of("a core", session::kCores));
     if (c_.devices.size() > 1) t.refuse("haptic", "is of one hand", "core in each [[device]]");
     if (t.has("haptic")) c_.run.cpu = static_cast<int>(core);
     if (t.has("haptic")) must_be_there(t, "haptic", c_.run.cpu);
-    c_.run.priority =
-        static_cast<int>(t.count("priority", static_cast<unsigned>(c_.run.priority), {"a priority", 0, 98}));
+    c_.run.priority = static_cast<int>(
+        t.count("priority", static_cast<unsigned>(c_.run.priority), range_of("a priority", session::kPriorities)));
     c_.run.world_threads = t.count("world_threads", 1, {"a number of threads", 1, sim::kMaxWorldThreads});
     const auto cpus = doctor::parse_cpu_list(t.text("world", "", kLongestText));
     if (cpus)

@@ -22,9 +22,10 @@ namespace {
 using nlohmann::json;
 
 template <class T>
-Status check_range(const char* option, T value, T low, T high, const char* unit) {
-  if (value >= low && value <= high) return Status::good();
-  return Status::error(fmt::format("{}: {} is out of range; accepted: {} to {}{}", option, value, low, high, unit));
+Status check_range(const char* option, T value, const Range<T>& range, const char* unit) {
+  const auto [least, most] = range;
+  if (value >= least && value <= most) return Status::good();
+  return Status::error(fmt::format("{}: {} is out of range; accepted: {} to {}{}", option, value, least, most, unit));
 }
 
 // The numeric properties by name. JSON keeps their bits: it writes the shortest text that reads back the same.
@@ -119,12 +120,13 @@ std::vector<std::string> option_mistakes(const RunOptions& o) {
   const auto look_at = [&](const Status& status) {
     if (!status.ok()) mistakes.push_back(status.message());
   };
-  look_at(check_range("--rate", o.rate_Hz, 100.0, 10000.0, " Hz"));
-  look_at(check_range("--ratio", o.ratio, o.ratio == 0 ? 0u : 1u, 100u, ""));
-  look_at(check_range("--members", o.members, o.members == 0 ? 0u : 1u, haptics::kMaxMembers, ""));
-  look_at(check_range("--duration", o.duration_s, o.duration_s == 0 ? 0.0 : 0.01, 1e6, " s"));
-  look_at(check_range("--priority", o.priority, 0, 98, ""));
-  look_at(check_range("--world-threads", o.world_threads, 1u, sim::kMaxWorldThreads, ""));
+  look_at(check_range("--rate", o.rate_Hz, kRates_Hz, " Hz"));
+  if (o.ratio != 0) look_at(check_range("--ratio", o.ratio, kRatios, ""));
+  if (o.members != 0) look_at(check_range("--members", o.members, kMemberCaps, ""));
+  if (o.duration_s != 0) look_at(check_range("--duration", o.duration_s, {0.01, 1e6}, " s"));
+  if (o.cpu != -1) look_at(check_range("--cpu", o.cpu, kCores, ""));
+  look_at(check_range("--priority", o.priority, kPriorities, ""));
+  look_at(check_range("--world-threads", o.world_threads, {1u, sim::kMaxWorldThreads}, ""));
   if (!o.world_cpus.empty() && o.world_cpus.size() != o.world_threads)
     mistakes.push_back(fmt::format("--world-cpu: {} cores for {} of --world-threads; accepted: as many, or none",
                                    o.world_cpus.size(), o.world_threads));

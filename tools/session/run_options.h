@@ -11,6 +11,7 @@
 
 #include "rt/base/result.h"
 #include "rt/haptics/coupling/coupling_scheme.h"
+#include "rt/haptics/coupling/snapshot.h"
 #include "rt/haptics/device.h"
 #include "rt/physics/border/border_contact.h"
 #include "sim/exchange/extraction.h"
@@ -26,6 +27,17 @@ enum class Accuracy {
 };
 std::string_view name_of(Accuracy accuracy) noexcept;  // fast, balanced, accurate
 std::optional<Accuracy> parse_accuracy(std::string_view word) noexcept;
+
+// Accepted values, ends included, of options that several commands and files have.
+template <class T>
+struct Range {
+  T least, most;
+};
+inline constexpr Range<double> kRates_Hz{100, 10000};
+inline constexpr Range<unsigned> kRatios{1, 100};
+inline constexpr Range<unsigned> kMemberCaps{1, haptics::kMaxMembers};
+inline constexpr Range<int> kCores{0, 1023};  // what a cpu_set_t holds
+inline constexpr Range<int> kPriorities{0, 98};
 
 // Value of RunOptions::device when a program supplies its own device, also on a tape. Not accepted on the command line.
 inline constexpr const char* kGivenDevice = "own";

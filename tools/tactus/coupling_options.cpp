@@ -11,6 +11,7 @@
 #include "tools/tactus/coupling_parts.h"
 #include "tools/tactus/experiments.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 
 namespace tactus::tools {
 namespace {
@@ -48,7 +49,7 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
   command
       .add_option("--whole", options.whole_s,
                   "duration of whole runs, from rest and with the scene's own hand, that are compared too [s]")
-      ->check(CLI::Range(1.0, 600.0));
+      ->check(in_range(1.0, 600.0));
   command
       .add_option(
           "--hands", options.hands,
@@ -60,11 +61,11 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
       ->check(CLI::IsMember(sim::border_names()));
   command.add_option("--ratios", options.ratios, help::list_of(help::kRatio, "1,2,4,8,16"))
       ->delimiter(',')
-      ->check(CLI::Range(1, 100));
-  command.add_option("--seeds", options.seeds, help::kSeeds)->check(CLI::Range(0, 1000))->capture_default_str();
+      ->check(in_range(session::kRatios));
+  command.add_option("--seeds", options.seeds, help::kSeeds)->check(in_range(0, 1000))->capture_default_str();
   command.add_option("--members", options.members, help::list_of(help::kMembers, "that of the scene"))
       ->delimiter(',')
-      ->check(CLI::Range(1, 256));
+      ->check(in_range(session::kMemberCaps));
   command.add_option("--order", options.order, help::kOrder)
       ->check(CLI::IsMember({"best-first", "breadth-first"}))
       ->capture_default_str();

@@ -12,6 +12,7 @@
 #include "tools/session/find_description.h"
 #include "tools/tactus/device.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 
 namespace tactus::tools {
 namespace {
@@ -196,7 +197,9 @@ void add_device_ask_command(CLI::App& device, int& exit_code) {
   app->add_option("--device", command->device, "device: usb, usb:SERIAL, can:IFACE, can:IFACE:NODE, or sim");
   app->add_option("--device-file", command->device_file, std::string(help::kDeviceFile) + "; default: --profile");
   app->add_option("--profile", command->profile, help::kProfile)->capture_default_str();
-  app->add_option("--rate", command->rate_Hz, help::kRate)->check(CLI::Range(100, 10000))->capture_default_str();
+  app->add_option("--rate", command->rate_Hz, help::kRate)
+      ->check(in_range(session::kRates_Hz, "Hz"))
+      ->capture_default_str();
   app->add_flag("--write", command->write,
                 "with needs: write the registers whose values differ from the description's");
   app->add_flag("--json", command->json, help::kJson);

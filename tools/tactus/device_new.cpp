@@ -14,6 +14,7 @@
 #include "tools/device/new_description.h"
 #include "tools/tactus/device.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 
 namespace tactus::tools {
 namespace {
@@ -193,7 +194,7 @@ void add_device_new_command(CLI::App& device, int& exit_code) {
   }
   app->add_option("--rate", d.rate_Hz,
                   std::string(help::kRate) + ", for the load of the buses; default: 1000; with six RobStrides 900")
-      ->check(CLI::Range(100, 10000));
+      ->check(in_range(session::kRates_Hz, "Hz"));
   app->add_option("--out", command->out,
                   "write the description to this file, and beside it a scene to try it in, such as my_arm_scene.toml");
   app->add_flag("--ask", command->ask, "ask for every value that no option gives");

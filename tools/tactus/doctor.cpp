@@ -11,6 +11,7 @@
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 
 namespace tactus::tools {
 namespace {
@@ -108,9 +109,9 @@ CLI::App* add_doctor_command(CLI::App& program, int& exit_code) {
       "  tactus doctor --cpu 3\n"
       "  tactus doctor --device can:can0\n"
       "  tactus doctor --fix > remedy.sh");
-  doctor->add_option("--cpu", options->request.cpu, help::kCpu)->check(CLI::Range(0, 4095));
+  doctor->add_option("--cpu", options->request.cpu, help::kCpu)->check(in_range(session::kCores));
   doctor->add_option("--rate", options->request.rate_Hz, help::kRate)
-      ->check(CLI::Range(100.0, 20000.0))
+      ->check(in_range(session::kRates_Hz, "Hz"))
       ->capture_default_str();
   doctor->add_option("--device", options->device, help::devices("device whose bus is checked too"))
       ->capture_default_str();

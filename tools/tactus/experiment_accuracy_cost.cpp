@@ -12,6 +12,7 @@
 #include "tools/tactus/experiment_parts.h"
 #include "tools/tactus/experiments.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 
 namespace tactus::tools {
 namespace {
@@ -104,7 +105,7 @@ void add_accuracy_cost(CLI::App& experiment, int& exit_code) {
       ->delimiter(',')
       ->check(CLI::IsMember(experiment::coupling_case_names()));
   command->add_option("--seeds", options->seeds, help::kSeeds)
-      ->check(CLI::Range(1, 1000))
+      ->check(in_range(1, 1000))
       ->default_str("3, with --quick 1");
   options->parts.add(*command);
   options->output.add_csv(*command);

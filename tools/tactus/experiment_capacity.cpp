@@ -10,6 +10,7 @@
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 
 namespace tactus::tools {
 namespace {
@@ -71,19 +72,21 @@ void add_capacity(CLI::App& experiment, int& exit_code) {
       ->add_option("--rates", options->rates_Hz,
                    "rates of the haptic loop [Hz], separated by commas; default: 1000,2000,4000")
       ->delimiter(',')
-      ->check(CLI::Range(100.0, 10000.0));
+      ->check(in_range(session::kRates_Hz, "Hz"));
   command->add_option("--ratios", options->ratios, help::list_of(help::kRatio, "2,4,10,16"))
       ->delimiter(',')
-      ->check(CLI::Range(1, 100));
+      ->check(in_range(session::kRatios));
   command
       ->add_option("--couplings", options->couplings,
                    "coupling schemes, separated by commas; 'times direct' is computed only if direct is the first")
       ->delimiter(',')
       ->check(CLI::IsMember({"direct", "sub-world", "static", "interpolation"}))
       ->capture_default_str();
-  command->add_option("--members", options->members, help::kMembers)->check(CLI::Range(1, 256))->capture_default_str();
+  command->add_option("--members", options->members, help::kMembers)
+      ->check(in_range(session::kMemberCaps))
+      ->capture_default_str();
   command->add_option("--most", options->most, "largest number of cubes to try in a heap")
-      ->check(CLI::Range(25, 90000))
+      ->check(in_range(25, 90000))
       ->capture_default_str();
   options->output.add_csv(*command);
   options->output.add_page(*command);

@@ -21,6 +21,7 @@
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 #include "tools/tactus/python_module.h"
 
 namespace tactus::tools {
@@ -105,7 +106,7 @@ Result<Printed> print_of(std::vector<std::string> words) {
 }  // namespace
 
 void PartOptions::add(CLI::App& command) {
-  CLI::Option* here = command.add_option("--workers", workers, help::kWorkers)->check(CLI::Range(1, 1024));
+  CLI::Option* here = command.add_option("--workers", workers, help::kWorkers)->check(in_range(1, 1024));
   command.add_option("--scheduler", scheduler, help::kScheduler)->excludes(here);
   command.add_flag("--trust-network", trust_network, help::kTrustNetwork);
   command.add_option("--part", part)->group("");

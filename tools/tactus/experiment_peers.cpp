@@ -13,6 +13,7 @@
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 
 namespace tactus::tools {
 namespace {
@@ -115,9 +116,9 @@ void add_peers(CLI::App& experiment, int& exit_code) {
       ->add_option("--sub-steps", options->sub_steps,
                    "sub-steps of tactus per step; contact frequency: 0.2 / sub-step, 250 Hz at most; default: 4 in 1 "
                    "ms, 10 in 10 ms")
-      ->check(CLI::Range(1, 100));
+      ->check(in_range(1, 100));
   peers->add_option("--runs", options->runs, "number of identical runs of each scene")
-      ->check(CLI::Range(1, 9))
+      ->check(in_range(1, 9))
       ->capture_default_str();
   options->output.add_quick(*peers, "1 s to settle, a fifth of the steps, two runs, no large worlds");
   options->output.add_csv(*peers);

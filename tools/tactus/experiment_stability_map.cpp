@@ -10,6 +10,7 @@
 #include "tools/tactus/experiment_output.h"
 #include "tools/tactus/experiments.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 #include "tools/timing/budget.h"
 
 namespace tactus::tools {
@@ -80,10 +81,10 @@ void add_stability_map(CLI::App& experiment, int& exit_code) {
   command->add_option("--profile", options->profile, help::kProfile)->capture_default_str();
   command->add_option("--device-file", options->device_file, std::string(help::kDeviceFile) + "; default: --profile");
   command->add_option("--rate", options->rate_Hz, std::string(help::kRate) + ", from which the rate is varied")
-      ->check(CLI::Range(100.0, 10000.0))
+      ->check(in_range(session::kRates_Hz, "Hz"))
       ->capture_default_str();
   command->add_option("--cpu", options->cpu, "core on which wake-ups are measured; default: any")
-      ->check(CLI::Range(0, 1023));
+      ->check(in_range(session::kCores));
   command->add_option("--budget", options->budget,
                       std::string(help::kBudget) + ", from which wake-up times are read instead of measured");
   options->output.add_csv(*command);

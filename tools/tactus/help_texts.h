@@ -18,7 +18,7 @@ inline constexpr const char* kSocket = "control socket of the run";
 inline constexpr const char* kProfile = "built-in description of the device: virtuose6d or desk3d";
 inline constexpr const char* kDeviceFile = "file that describes the device";  // and its default
 inline constexpr const char* kCpu = "core of the haptic thread; default: the last core that this process may use";
-inline constexpr const char* kPriority = "SCHED_FIFO priority of the haptic thread; 0 to 98; 0: normal scheduling";
+inline constexpr const char* kPriority = "SCHED_FIFO priority of the haptic thread; 0: normal scheduling";
 inline constexpr const char* kBudget = "budget file of `tactus timing --certify`";  // and what the command does with it
 
 // Of the simulation.
@@ -28,7 +28,7 @@ inline constexpr const char* kMembers = "largest number of bodies in the sub-wor
 inline constexpr const char* kOrder =
     "order in which bodies of the contact graph become members: best-first or breadth-first";
 inline constexpr const char* kPrecision =
-    "double, or mixed (contacts are solved in single precision);\ndefault: as in a run, mixed above 256 bodies";
+    "double, or mixed (contacts are solved in single precision);\ndefault: as in a run, mixed above 200 moving bodies";
 
 // Of experiments and sweeps.
 inline constexpr const char* kScenes = "scenes, separated by commas; default: all";

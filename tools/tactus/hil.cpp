@@ -16,6 +16,7 @@
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
 #include "tools/tactus/hil_calibrate.h"
+#include "tools/tactus/in_range.h"
 #include "tools/tactus/output_option.h"
 #include "tools/tactus/stop_signals.h"
 
@@ -42,8 +43,6 @@ Status check_command(const HilCommand& c) {
   if (c.device.empty()) return refused("--device is required; accepted: " + hal::accepted_devices());
   if (c.timing != "judge" && c.timing != "report")
     return refused(fmt::format("--timing: '{}' is none; accepted: judge, report", c.timing));
-  if (!(c.options.rate_Hz >= 100 && c.options.rate_Hz <= 10000))
-    return refused(fmt::format("--rate: {} is out of range; accepted: 100 to 10000 Hz", c.options.rate_Hz));
   if (!(c.options.force_N >= 0 && c.options.force_N <= 50))
     return refused(fmt::format("--force: {} is out of range; accepted: 0 to 50 N", c.options.force_N));
   if (!c.out.empty() && !c.calibrate) return refused("--out goes with --calibrate; accepted: --json, --junit FILE");
@@ -242,11 +241,13 @@ void add_options(CLI::App& app, HilCommand& c) {
   app.add_flag("--soak", c.soak, "run the soak too: ten minutes at the full rate");
   app.add_option("--duration", c.duration_s, "duration of the soak [s]; 0 to 1e6; default: 600");
   app.add_option("--soak-frames", c.soak_frames, "length of the soak in frames, instead of --duration");
-  app.add_option("--rate", c.options.rate_Hz, std::string(help::kRate) + "; 100 to 10000")->capture_default_str();
+  app.add_option("--rate", c.options.rate_Hz, help::kRate)
+      ->check(in_range(session::kRates_Hz, "Hz"))
+      ->capture_default_str();
   app.add_option("--cpu", c.cpu, "core of the thread that exchanges frames with the device; default: any")
-      ->check(CLI::Range(0, 1023));
+      ->check(in_range(session::kCores));
   app.add_option("--priority", c.priority, "SCHED_FIFO priority of that thread; 0: normal scheduling")
-      ->check(CLI::Range(0, 98))
+      ->check(in_range(session::kPriorities))
       ->capture_default_str();
   app.add_option(
          "--timing", c.timing,

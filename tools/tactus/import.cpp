@@ -10,6 +10,7 @@
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 
 namespace tactus::tools {
 namespace {
@@ -120,19 +121,19 @@ CLI::App* add_import_command(CLI::App& program, int& exit_code) {
   app->add_option("--pieces", options.pieces.most,
                   "largest number of convex pieces (Bullet's HACD) into which a concave mesh that moves is divided;\n"
                   "default: not divided, but replaced by its convex hull, as in MuJoCo")
-      ->check(CLI::Range(2u, kMaxParts));
+      ->check(in_range(2u, kMaxParts));
   app->add_option(
          "--deviation", command->deviation_mm,
          "largest distance between the pieces and the mesh, on 10,000 points of both surfaces [mm]; pieces that\n"
          "exceed it are refused")
-      ->check(CLI::Range(0.001, 1000.0))
+      ->check(in_range(0.001, 1000.0))
       ->capture_default_str();
   app->add_option("--unit", options.shapes.unit_m, "length of one unit of a glTF, OBJ or STL file [m]")
-      ->check(CLI::Range(1e-9, 1e3))
+      ->check(in_range(1e-9, 1e3))
       ->capture_default_str();
   app->add_option("--density", options.shapes.density_kg_per_m3,
                   "density of bodies from glTF, OBJ and STL whose file gives none [kg/m3]")
-      ->check(CLI::Range(1e-3, 1e5))
+      ->check(in_range(1e-3, 1e5))
       ->capture_default_str();
   app->add_flag("--fixed", options.shapes.fixed,
                 "make bodies from glTF, OBJ and STL static, unless their file says otherwise");

@@ -21,6 +21,7 @@
 #include "tools/session/realtime_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 #include "tools/tactus/keyboard.h"
 #include "tools/tactus/output_option.h"
 #include "tools/tactus/run_figures.h"
@@ -412,14 +413,14 @@ void add_options(CLI::App& app, RunCommand& command) {
                  "members and sub-steps, as multiples of the scene's: fast 0.5, balanced 1, accurate 2")
       ->capture_default_str();
   app.add_option("--rate", o.rate_Hz, std::string(help::kRate) + "; 100 to 10000")->capture_default_str();
-  app.add_option("--ratio", o.ratio, std::string(help::kRatio) + "; 1 to 100; default: the scene's");
-  app.add_option("--members", o.members, std::string(help::kMembers) + "; 1 to 256; default: by --accuracy");
+  app.add_option("--ratio", o.ratio, std::string(help::kRatio) + "; 1 to 100; 0, the default: the scene's");
+  app.add_option("--members", o.members, std::string(help::kMembers) + "; 1 to 256; 0, the default: by --accuracy");
   app.add_option("--duration", command.duration_s,
                  "duration of the run [s]; 0.01 to 1e6; 0, the default: until stopped; in virtual time without\n"
                  "--control and --view: 10");
   once_or_each(
       app.add_option("--cpu", command.each.cpus, std::string(help::kCpu) + ".\nSeveral hands: one --cpu for each")
-          ->check(CLI::Range(0, 1023)));
+          ->check(in_range(session::kCores)));
   app.add_option("--world-threads", o.world_threads,
                  "number of threads that step the global world; 1 to 64; the results are the same bits")
       ->capture_default_str();
@@ -431,7 +432,7 @@ void add_options(CLI::App& app, RunCommand& command) {
   app.add_option("--world-cpu", command.world_cpus,
                  "cores of the global world, one for each of its threads, such as 2 or 1,3-4; default: any.\n"
                  "Several threads should have a core each, none of them that of the haptic thread");
-  app.add_option("--priority", o.priority, help::kPriority)->capture_default_str();
+  app.add_option("--priority", o.priority, std::string(help::kPriority) + "; 0 to 98")->capture_default_str();
   app.add_flag("--virtual-time", command.virtual_time,
                "run in one thread on a virtual clock: the same bits every time");
   check_output(

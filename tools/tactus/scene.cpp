@@ -17,6 +17,7 @@
 #include "tools/session/verdict.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 
 namespace tactus::tools {
 namespace {
@@ -257,7 +258,7 @@ CLI::App* add_scene_command(CLI::App& program, int& exit_code) {
       "  tactus scene check --json sim/scenes/pile700.toml");
   check->add_option("FILE", options->file, "scene file, such as sim/scenes/card_house.toml")->required();
   check->add_option("--rate", options->rate_Hz, std::string(help::kRate) + ", for the check of stiffnesses")
-      ->check(CLI::Range(100.0, 20000.0))
+      ->check(in_range(session::kRates_Hz, "Hz"))
       ->capture_default_str();
   check->add_flag("--json", options->json, help::kJson);
   check->callback([options, &exit_code] { exit_code = check_scene(*options); });

@@ -13,6 +13,7 @@
 #include "tools/json_text.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 #include "tools/tactus/output_option.h"
 #include "tools/tactus/python_module.h"
 
@@ -80,7 +81,7 @@ CLI::App* add_sweep_command(CLI::App& program, int& exit_code) {
       "  tactus sweep gains.toml --list | parallel && tactus sweep gains.toml --collect --csv gains.csv");
   app->add_option("FILE", command->file, "sweep file (TOML), see below")->required();
   app->add_option("--workers", command->workers, std::string(help::kWorkers) + "; default: one per core")
-      ->check(CLI::Range(1, 1024));
+      ->check(in_range(1, 1024));
   app->add_option("--scheduler", command->scheduler, help::kScheduler)->excludes("--workers");
   app->add_flag("--trust-network", command->trust_network, help::kTrustNetwork);
   app->add_option("--folder", command->folder,

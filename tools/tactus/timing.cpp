@@ -11,6 +11,7 @@
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 #include "tools/tactus/output_option.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/tactus/timed_viewer.h"
@@ -147,21 +148,25 @@ CLI::App* add_timing_command(CLI::App& program, int& exit_code) {
       "  tactus timing --cpu 3 --members 100 --duration 3600 --load memory --certify budget.json");
   app->add_option("--duration", o.duration_s, "duration of all windows together [s]; 3 to 1e6")->capture_default_str();
   app->add_option("--members", o.members, std::string(help::kMembers) + ": the declared capacity")
-      ->check(CLI::Range(2u, haptics::kMaxMembers))
+      ->check(in_range(2u, haptics::kMaxMembers))
       ->capture_default_str();
   app->add_option("--sub-steps", o.sub_steps, "sub-steps per tick: the declared capacity")
-      ->check(CLI::Range(1u, 16u))
+      ->check(in_range(1u, 16u))
       ->capture_default_str();
-  app->add_option("--ratio", o.ratio, help::kRatio)->check(CLI::Range(1u, 100u))->capture_default_str();
+  app->add_option("--ratio", o.ratio, help::kRatio)->check(in_range(session::kRatios))->capture_default_str();
   app->add_option("--scene", o.run.scene, "scene file to time at its own capacity, instead of the built-in worst case");
   app->add_option("--device", o.run.device,
                   help::devices() + "\nA real device is timed without force, and without the bare timer")
       ->capture_default_str();
   app->add_option("--device-file", o.run.device_file,
                   std::string(help::kDeviceFile) + "; default: the scene's profile");
-  app->add_option("--rate", o.run.rate_Hz, std::string(help::kRate) + "; 100 to 10000")->capture_default_str();
-  app->add_option("--cpu", o.run.cpu, help::kCpu);
-  app->add_option("--priority", o.run.priority, help::kPriority)->capture_default_str();
+  app->add_option("--rate", o.run.rate_Hz, help::kRate)
+      ->check(in_range(session::kRates_Hz, "Hz"))
+      ->capture_default_str();
+  app->add_option("--cpu", o.run.cpu, help::kCpu)->check(in_range(session::kCores));
+  app->add_option("--priority", o.run.priority, help::kPriority)
+      ->check(in_range(session::kPriorities))
+      ->capture_default_str();
   app->add_option("--load", command->load, "load on the other cores: none, cpu, memory, stress-ng")
       ->capture_default_str();
   app->add_option("--window", o.window_s, "length of a window of the loop, and of the bare timer [s]; 0.1 to 3600")

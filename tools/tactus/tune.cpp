@@ -6,6 +6,7 @@
 #include "sim/loader/scene_load.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/timing/budget.h"
 #include "tools/timing/load.h"
@@ -70,8 +71,10 @@ CLI::App* add_tune_command(CLI::App& program, int& exit_code) {
   app->add_option("SCENE", request.file, "scene file, such as sim/scenes/stack20.toml")->required();
   app->add_option("--budget", command->budget,
                   std::string(help::kBudget) + "; its members and sub-steps are the largest that are tried");
-  app->add_option("--cpu", request.run.cpu, help::kCpu)->check(CLI::Range(0, 1023));
-  app->add_option("--priority", request.run.priority, help::kPriority)->capture_default_str();
+  app->add_option("--cpu", request.run.cpu, help::kCpu)->check(in_range(session::kCores));
+  app->add_option("--priority", request.run.priority, help::kPriority)
+      ->check(in_range(session::kPriorities))
+      ->capture_default_str();
   app->add_flag("--quick", request.quick, "measure less: two windows, real runs of 2 s, in half a minute");
   app->add_flag("--json", command->json, help::kJson);
   app->callback([command, &exit_code] { exit_code = run_tune_command(*command); });

@@ -13,6 +13,7 @@
 #include "tools/json_report.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
+#include "tools/tactus/in_range.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/view/admission.h"
 #include "tools/view/live_source.h"
@@ -134,7 +135,7 @@ CLI::App* add_view_command(CLI::App& program, int& exit_code) {
   app->add_option("--link", command->link,
                   "initial state of the page: the part of its address after the token, such as at=2.5&pace=0.1");
   app->add_option("--port", command->port, "TCP port on this machine; 0: any free port")
-      ->check(CLI::Range(0u, 65535u))
+      ->check(in_range(0u, 65535u))
       ->capture_default_str();
   app->add_flag("--allow-force", command->allow_force, "allow pages to arm, re-arm and reset a real device");
   app->add_flag("--json", command->json, help::kJson);

@@ -60,20 +60,24 @@ void BorderSolver::prepare(std::span<BorderContact> contacts, std::span<const Bo
     row.centre = rotate(member->motion.pose.rotation, c.member_anchor);
     row.round = c.member_round;
     row.r = row.centre - row.round * row.n;
-    row.offset = member->motion.pose.position + row.r - c.line_point;
-    row.neighbour_velocity = rule_.surface_moves ? c.outside_velocity : Vec3d{};
+    row.start_offset = member->motion.pose.position + row.r - c.line_point;
+    row.outside_velocity = rule_.surface_moves ? c.outside_velocity : Vec3d{};
     row.cap = c.impulse_rate * step.h;
     row.gap = c.gap;
     row.friction = c.friction;
+    row.softness = step.sweep.softness;
+    row.max_push_speed = step.sweep.max_push_speed;
     const SymMat3d& inertia = solver_bodies.inverse_inertia[row.slot];
-    row.normal_mass = invert_or_zero(inverse_effective_mass(mass, inertia, row.r, row.n, row.n));
-    row.tangent_mass = tangent_mass_of(inverse_effective_mass(mass, inertia, row.r, t1, t1),
-                                       inverse_effective_mass(mass, inertia, row.r, t2, t2),
-                                       inverse_effective_mass(mass, inertia, row.r, t1, t2));
-    if (rule_.ghosts && c.ghost < ghosts_.size())
+    if (rule_.ghosts && c.ghost < ghosts_.size()) {
       init_ghost_row(row, c, ghosts[c.ghost], mass, inertia, member->motion.pose.position + row.r);
-    else if (rule_.ghosts)
+    } else if (rule_.ghosts) {
       row.active = false;
+    } else {
+      row.normal_mass = invert_or_zero(inverse_effective_mass(mass, inertia, row.r, row.n, row.n));
+      row.tangent_mass = tangent_mass_of(inverse_effective_mass(mass, inertia, row.r, t1, t1),
+                                         inverse_effective_mass(mass, inertia, row.r, t2, t2),
+                                         inverse_effective_mass(mass, inertia, row.r, t1, t2));
+    }
     const double scale = step.impulse_scale;
     row.normal_impulse = scale * c.normal_impulse;
     if (row.holds) {
@@ -124,7 +128,13 @@ void BorderSolver::init_ghost_row(Row& row, const BorderContact& contact, const 
   const double alone = member(row.n, row.n), both = alone + answer(0, row.n);
   row.normal_mass = invert_or_zero(both);
   row.member_share = alone * row.normal_mass;
-  row.own_share = (alone + contact.outside_inverse_mass) * row.normal_mass;
+  // The compliance is that of the two bodies alone (see above); a deep overlap pushes with the same force in both
+  // worlds.
+  const double own_share = (alone + contact.outside_inverse_mass) * row.normal_mass;
+  const Softness<double> of_contact = row.softness;
+  row.softness.mass_scale = 1.0 / (1.0 + own_share * of_contact.impulse_scale / of_contact.mass_scale);
+  row.softness.impulse_scale = 1.0 - row.softness.mass_scale;
+  row.max_push_speed = row.max_push_speed * row.softness.mass_scale / of_contact.mass_scale;
   row.tangent_mass =
       tangent_mass_of(member(row.t1, row.t1) + answer(1, row.t1), member(row.t2, row.t2) + answer(2, row.t2),
                       member(row.t1, row.t2) + answer(1, row.t2));
@@ -144,18 +154,26 @@ Vec3d BorderSolver::rolled_at(const Row& row, const SolverBody<double>& body) no
 }
 
 // Offset of the member's point from line_point as moved by the outside body, `elapsed` into the step.
-Vec3d BorderSolver::offset_at(const Row& row, const SolverBody<double>& body, double elapsed) const noexcept {
-  const Vec3d member =
-      row.offset + body.delta_position + rotate(body.delta_rotation, row.centre) - row.centre + rolled_at(row, body);
-  if (row.ghost == kNoGhost) return member - elapsed * row.neighbour_velocity;
-  const GhostState& ghost = ghosts_[row.ghost];
-  return member - ghost.moved - cross(ghost.turned, row.ghost_r);
+Vec3d BorderSolver::offset_at(const Row& row, double elapsed) noexcept {
+  return row.ghost == kNoGhost ? row.offset - elapsed * row.outside_velocity : row.offset;
+}
+
+void BorderSolver::find_offsets(SolverBodies<double> bodies) noexcept {
+  for (Row& row : rows_) {
+    if (!row.active) continue;
+    const SolverBody<double>& body = bodies.motion[row.slot];
+    row.offset = row.start_offset + body.delta_position + rotate(body.delta_rotation, row.centre) - row.centre +
+                 rolled_at(row, body);
+    if (row.ghost == kNoGhost) continue;
+    const GhostState& ghost = ghosts_[row.ghost];
+    row.offset = row.offset - ghost.moved - cross(ghost.turned, row.ghost_r);
+  }
 }
 
 // Relative velocity of the member's point. With nothing available an approaching ghost counts as at rest along the
 // normal.
 Vec3d BorderSolver::slip(const Row& row, const SolverBody<double>& body) const noexcept {
-  if (row.ghost == kNoGhost) return velocity_at(body, row.r) - row.neighbour_velocity;
+  if (row.ghost == kNoGhost) return velocity_at(body, row.r) - row.outside_velocity;
   const Twistd& ghost = ghosts_[row.ghost].velocity;
   const Vec3d v = ghost.linear + cross(ghost.angular, row.ghost_r);
   return velocity_at(body, row.r) - (may_supply_ ? v : v - std::max(0.0, dot(row.n, v)) * row.n);
@@ -171,30 +189,42 @@ void BorderSolver::apply_impulse(const Row& row, SolverBody<double>& body, const
   for (int i = 0; i < 3; ++i) ghost += by[i] * row.ghost_answer[i];
 }
 
+// The same along n alone, and along t1 and t2: what a sweep applies.
+void BorderSolver::apply_normal(const Row& row, SolverBody<double>& body, const SymMat3d& inertia,
+                                double normal) noexcept {
+  if (normal == 0.0) return;
+  apply_impulse_at(body, inertia, row.r, normal * row.n);
+  if (row.ghost != kNoGhost) ghosts_[row.ghost].velocity += normal * row.ghost_answer[0];
+}
+
+void BorderSolver::apply_tangents(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double tangent1,
+                                  double tangent2) noexcept {
+  if (tangent1 == 0.0 && tangent2 == 0.0) return;
+  apply_impulse_at(body, inertia, row.r, tangent1 * row.t1 + tangent2 * row.t2);
+  if (row.ghost == kNoGhost) return;
+  Twistd& ghost = ghosts_[row.ghost].velocity;
+  ghost += tangent1 * row.ghost_answer[1];
+  ghost += tangent2 * row.ghost_answer[2];
+}
+
 // Solves the normal row by the rules of an inner contact: while separated, it lets the gap close; overlapping, it
 // corrects the overlap softly in the biased sweep and stops the approach in the relax sweep.
 void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
                                 const SweepRule<double>& rule, bool biased) noexcept {
-  const double gap = row.gap + dot(row.n, offset_at(row, body, biased ? row.elapsed : row.elapsed + h_));
+  const double gap = row.gap + dot(row.n, offset_at(row, biased ? row.elapsed : row.elapsed + h_));
   Softness<double> soft = Softness<double>::rigid();
   double bias{};
   if (gap > 0.0) {
     bias = gap * rule.inverse_h;
   } else if (biased && may_supply_) {  // otherwise rigid: no overlap is corrected, no impulse relaxed
-    soft = rule.softness;
-    if (row.ghost != kNoGhost) {
-      soft.mass_scale = 1.0 / (1.0 + row.own_share * soft.impulse_scale / soft.mass_scale);
-      soft.impulse_scale = 1.0 - soft.mass_scale;
-    }
-    // The limit of a contact in one world, with the scaled softness: a deep overlap pushes with the same force in both.
-    const double most = rule.max_push_speed * soft.mass_scale / rule.softness.mass_scale;
-    bias = std::max(soft.mass_scale * soft.bias_rate * std::min(0.0, gap + rule.slop), -most);
+    soft = row.softness;
+    bias = std::max(soft.mass_scale * soft.bias_rate * std::min(0.0, gap + rule.slop), -row.max_push_speed);
   }
   const double u = dot(row.n, slip(row, body));
   const double wanted =
       row.normal_impulse - row.normal_mass * (soft.mass_scale * u + bias) - soft.impulse_scale * row.normal_impulse;
   const double next = std::clamp(wanted, 0.0, normal_limit(row));
-  apply_impulse(row, body, inertia, next - row.normal_impulse, 0.0, 0.0);
+  apply_normal(row, body, inertia, next - row.normal_impulse);
   pairs_[row.pair].sum += next - row.normal_impulse;
   row.normal_impulse = next;
 }
@@ -205,12 +235,13 @@ void BorderSolver::begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) 
     ghost.velocity += h_ * ghost.drive;
     ghost.before = ghost.velocity;
   }
+  if (j == 0) find_offsets(bodies);
   for (Row& row : rows_) {
     if (!row.active) continue;
-    const SolverBody<double>& body = bodies.motion[row.slot];
-    row.start_velocity = velocity_at(body, row.r);
+    row.start_velocity = velocity_at(bodies.motion[row.slot], row.r);
     row.elapsed = static_cast<double>(j) * h_;
-    const Vec3d off = offset_at(row, body, row.elapsed);
+    if (row.ghost != kNoGhost) continue;
+    const Vec3d off = offset_at(row, row.elapsed);
     row.error[0] = dot(row.t1, off);
     row.error[1] = dot(row.t2, off);
   }
@@ -246,18 +277,20 @@ void BorderSolver::warm_start(SolverBodies<double> bodies) noexcept {
     clamp_to_disk(row.tangent_impulse[0], row.tangent_impulse[1], row.friction * row.normal_impulse);
     row.demand[0] = row.tangent_impulse[0];
     row.demand[1] = row.tangent_impulse[1];
-    apply_impulse(row, bodies.motion[row.slot], bodies.inverse_inertia[row.slot], normal, row.tangent_impulse[0],
-                  row.tangent_impulse[1]);
+    if (row.presses())
+      apply_impulse(row, bodies.motion[row.slot], bodies.inverse_inertia[row.slot], normal, row.tangent_impulse[0],
+                    row.tangent_impulse[1]);
   }
 }
 
 // Solves friction as for an inner contact.
 void BorderSolver::solve_friction(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept {
+  if (!row.presses()) return;  // a disk of radius 0
   const Vec3d u = slip(row, body);
   double next[2] = {row.tangent_impulse[0] - row.tangent_mass * dot(row.t1, u),
                     row.tangent_impulse[1] - row.tangent_mass * dot(row.t2, u)};
   clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
-  apply_impulse(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
+  apply_tangents(row, body, inertia, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
   row.tangent_impulse[0] = next[0];
   row.tangent_impulse[1] = next[1];
 }
@@ -277,7 +310,7 @@ void BorderSolver::solve_friction_point(Row& row, SolverBody<double>& body, cons
     row.demand[i] = next[i];
   }
   clamp_to_disk(next[0], next[1], row.friction * row.normal_impulse);
-  apply_impulse(row, body, inertia, 0.0, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
+  apply_tangents(row, body, inertia, next[0] - row.tangent_impulse[0], next[1] - row.tangent_impulse[1]);
   row.tangent_impulse[0] = next[0];
   row.tangent_impulse[1] = next[1];
 }
@@ -352,16 +385,23 @@ void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymM
   if (work_of(row, body) > allowed) take_back(1.0, 1.0);
 }
 
-// Limits the energy that rows put into members to what is left of the available energy. Rows that take energy out are
-// not reduced.
-void BorderSolver::keep_within_tank(SolverBodies<double> bodies) noexcept {
-  double given{}, sum{};
-  for (const Row& row : rows_) {
+// Fills the rows' work in this sub-step, and returns the sum of the positive ones [J].
+double BorderSolver::find_works(SolverBodies<double> bodies) noexcept {
+  double given{};
+  for (Row& row : rows_) {
     if (!row.active) continue;
-    const double work = work_of(row, bodies.motion[row.slot]);
-    given += std::max(0.0, work);
-    sum += work;
+    row.sub_step_work = row.presses() ? work_of(row, bodies.motion[row.slot]) : 0.0;
+    given += std::max(0.0, row.sub_step_work);
   }
+  return given;
+}
+
+// Limits the energy that rows put into members to what is left of the available energy. Rows that take energy out are
+// not reduced. Leaves the rows' work known.
+void BorderSolver::keep_within_tank(SolverBodies<double> bodies) noexcept {
+  const double given = find_works(bodies);
+  double sum{};
+  for (const Row& row : rows_) sum += row.active ? row.sub_step_work : 0.0;
   if (sum <= available_J_ || !(given > 0.0)) return;
   const double share = std::max(0.0, available_J_) / given;
   for (Row& row : rows_) {
@@ -370,25 +410,24 @@ void BorderSolver::keep_within_tank(SolverBodies<double> bodies) noexcept {
     const double work = work_of(row, body);
     if (work > 0.0) take_back_work(row, body, bodies.inverse_inertia[row.slot], share * work);
   }
+  (void)find_works(bodies);
 }
 
 void BorderSolver::end_sub_step(SolverBodies<double> bodies) noexcept {
   keep_within_tank(bodies);
   for (Row& row : rows_) {
     if (!row.active) continue;
-    const Vec3d tangential = row.tangent_impulse[0] * row.t1 + row.tangent_impulse[1] * row.t2;
-    const double work_J = work_of(row, bodies.motion[row.slot]);
-    row.work += work_J;
-    available_J_ -= work_J;
-    row.step_normal += row.normal_impulse;
-    row.step_tangent += tangential;
     row.step_demand[0] += row.demand[0];
     row.step_demand[1] += row.demand[1];
     row.rolled = rolled_at(row, bodies.motion[row.slot]);
     row.turned = bodies.motion[row.slot].delta_rotation;
+    if (!row.presses()) continue;
+    const Vec3d tangential = row.tangent_impulse[0] * row.t1 + row.tangent_impulse[1] * row.t2;
+    row.work += row.sub_step_work;
+    available_J_ -= row.sub_step_work;
+    row.step_normal += row.normal_impulse;
+    row.step_tangent += tangential;
     if (row.ghost == kNoGhost) continue;
-    row.end_offset = offset_at(row, bodies.motion[row.slot], 0.0);
-    row.end_gap = row.gap + dot(row.n, row.end_offset);
     const Vec3d on_ghost = -(row.normal_impulse * row.n + tangential);
     Wrenchd& sum = ghosts_[row.ghost].impulse;
     sum += Wrenchd{on_ghost, cross(row.ghost_r, on_ghost)};
@@ -453,8 +492,8 @@ void BorderSolver::store(std::span<BorderContact> contacts, std::span<BorderGhos
     c.work += row.work;
     if (row.ghost != kNoGhost) {
       const GhostState& ghost = ghosts_[row.ghost];
-      c.line_point += row.end_offset + ghost.moved + cross(ghost.turned, row.ghost_r);
-      c.gap = row.end_gap;
+      c.line_point += row.offset + ghost.moved + cross(ghost.turned, row.ghost_r);
+      c.gap = row.gap + dot(row.n, row.offset);
       if (row.ghost_round > 0.0) follow_ghost(row, ghost, ghosts[row.ghost].centre, c);
       continue;
     }

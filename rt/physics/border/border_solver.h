@@ -24,6 +24,7 @@ struct BorderStep {
   BorderRule rule;
   double h;              // s: of a sub-step
   double impulse_scale;  // of the impulses of the last step, for the warm start
+  SweepRule<double> sweep;
   bool friction;
 };
 
@@ -42,7 +43,8 @@ class BorderSolver {
   void apply_replay(SolverBodies<double> bodies) noexcept;
   void warm_start(SolverBodies<double> bodies) noexcept;
   void solve(SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
-  void move_ghosts() noexcept;  // at the same place as the integration of the bodies
+  void move_ghosts() noexcept;                              // at the same place as the integration of the bodies
+  void find_offsets(SolverBodies<double> bodies) noexcept;  // after all that moves bodies
   void end_sub_step(SolverBodies<double> bodies) noexcept;
   void scale_impulses(double factor) noexcept;
   // `share`: see ContactSolver::store.
@@ -62,8 +64,9 @@ class BorderSolver {
     Vec3d centre;              // m, same: of the ball that is touched, otherwise r
     double round{};            // m, from that centre to the point
     Vec3d rolled;              // m: by how much the point moved less than the member's material, over the step
-    Vec3d offset;              // m, from line_point to the member's point, at the start of the step
-    Vec3d neighbour_velocity;  // m/s
+    Vec3d start_offset;        // m, from line_point to the member's point, at the start of the step
+    Vec3d offset;              // m, the same now; line_point moves with a ghost, but not yet with `outside_velocity`
+    Vec3d outside_velocity;    // m/s
     double cap{}, friction{};  // N s; -
     double normal_mass{}, tangent_mass{};
     // Against a ghost: its index, the point from its centre [m], the change of its twist per unit impulse on the member
@@ -73,18 +76,23 @@ class BorderSolver {
     double ghost_round{};    // m, from the centre of the ghost's ball or cap to the point
     Quatd rotation, turned;  // of the member: at the start of the step, and since
     Twistd ghost_answer[3];
-    double own_share{1}, member_share{};
+    double member_share{};
+    Softness<double> softness;  // of the biased sweep
+    double max_push_speed{};    // m/s: greatest speed at which it corrects an overlap
     bool slow{false};
     double normal_impulse{}, tangent_impulse[2]{};
     double demand[2]{}, step_demand[2]{};  // N s: the impulse before the clamp to the disk; sum of the step
     double gap{};                          // m, at the start of the step
     double elapsed{};                      // s, time in the step at the start of the sub-step
     double error[2]{};                     // m, from the line, along t1 and t2, at the start of the sub-step
-    double end_gap{};                      // m; end_gap and end_offset: at the end of the sub-step
-    Vec3d end_offset;
-    Vec3d start_velocity;  // m/s, of the point, at the start of the sub-step
-    double step_normal{}, work{};
+    Vec3d start_velocity;                  // m/s, of the point, at the start of the sub-step
+    double step_normal{};
+    double sub_step_work{}, work{};  // J, done on the member in this sub-step; over the step
     Vec3d step_tangent;
+
+    bool presses() const noexcept {
+      return normal_impulse != 0.0 || tangent_impulse[0] != 0.0 || tangent_impulse[1] != 0.0;
+    }
   };
 
   // The points of one pair of member and outside body, which are contiguous.
@@ -97,15 +105,19 @@ class BorderSolver {
   static Vec3d rolled_at(const Row& row, const SolverBody<double>& body) noexcept;
   static void follow_ghost(const Row& row, const GhostState& ghost, const Vec3d& at, BorderContact& contact) noexcept;
   double normal_limit(const Row& row) const noexcept;
-  Vec3d offset_at(const Row& row, const SolverBody<double>& body, double elapsed) const noexcept;
+  static Vec3d offset_at(const Row& row, double elapsed) noexcept;
   Vec3d slip(const Row& row, const SolverBody<double>& body) const noexcept;
   void apply_impulse(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double normal, double tangent1,
                      double tangent2) noexcept;
+  void apply_normal(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double normal) noexcept;
+  void apply_tangents(const Row& row, SolverBody<double>& body, const SymMat3d& inertia, double tangent1,
+                      double tangent2) noexcept;
   void solve_friction(Row& row, SolverBody<double>& body, const SymMat3d& inertia) noexcept;
   void mark_slow(std::span<Row> of_member) noexcept;
   Vec3d impulse_of(const Row& row) const noexcept;
   double work_of(const Row& row, const SolverBody<double>& body) const noexcept;
   void take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia, double allowed) noexcept;
+  double find_works(SolverBodies<double> bodies) noexcept;
   void keep_within_tank(SolverBodies<double> bodies) noexcept;
   void solve_friction_point(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
                             bool biased) noexcept;
