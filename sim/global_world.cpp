@@ -95,12 +95,10 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
   add_device(scene,
              {scene.proxy, options.gains, options.reach.max_speed_m_per_s, options.reach.max_angular_speed_rad_per_s});
   for (const FurtherDevice& device : options.more_devices) add_device(scene, device);
+  for (Device& device : devices_) device.component.reserve(islands_.bodies().size());
   if (devices_.size() > 1) {
     touched_bodies_.reserve(islands_.bodies().size());
-    for (Device& device : devices_) {
-      device.apart = BodyVector<std::uint32_t>(islands_.bodies().size(), kLongApart);
-      device.component.reserve(islands_.bodies().size());
-    }
+    for (Device& device : devices_) device.apart = BodyVector<std::uint32_t>(islands_.bodies().size(), kLongApart);
   }
   regions_.resize(devices_.size());
   bounds_settings_.sub_steps = global_step_.far_sub_steps;
@@ -209,7 +207,29 @@ void GlobalWorld::reset(std::span<const SubWorldReport* const> reports) {
 }
 
 // Without impulses in the first snapshot, members that rest on outside bodies or hang on them would fall in the first
-// cycle. So the world takes a few steps, their border and the joints' efforts are kept, and the state is restored.
+// cycle. So the world takes a few steps, the loads at their border and the joints' efforts are kept, and the state is
+// restored: the outside bodies are where they were, and move as they did.
+namespace {
+
+// Moves the outside body's side of a border from the pose `then` to the body's present motion; loads stay.
+void bring_back(const Posed& then, const Body& now, WorldSnapshot& border) noexcept {
+  const auto& [pose, velocity] = now.motion;
+  for (haptics::BorderPoint& point : border.border) {
+    if (point.outside != now.id) continue;
+    const Vec3d to_centre = point.outside_round_m * point.normal;
+    const Vec3d anchor = rotate_inverse(then.rotation, point.outside_point - to_centre - then.position);
+    point.outside_point = pose * anchor + to_centre;
+    point.outside_velocity = velocity.linear + cross(velocity.angular, point.outside_point - pose.position);
+  }
+  for (haptics::OutsideBody& outside : border.outside) {
+    if (outside.id != now.id) continue;
+    outside.centre = pose.position;
+    outside.velocity = velocity;
+  }
+}
+
+}  // namespace
+
 void GlobalWorld::predict_border(std::uint32_t device, WorldSnapshot& first) noexcept {
   const std::vector<std::byte> world = saved_world();
   const IslandManager islands = islands_;
@@ -220,10 +240,14 @@ void GlobalWorld::predict_border(std::uint32_t device, WorldSnapshot& first) noe
   for (unsigned step = 0; step < kPredictionSteps; ++step) advance();
   fill_border(devices_[device], first);
   devices_[device].has_border = first.has_border();
+  const std::span<const Body> bodies = std::as_const(world_).bodies();
+  const std::vector<Body> then(bodies.begin(), bodies.end());
   std::vector<physics::JointState> states;
   if (const auto* joints = world_.effects().find<physics::Joints>())
     states.assign(joints->states().begin(), joints->states().end());
   restore_world(world);
+  for (const Body& body : then)
+    if (const Body* now = std::as_const(world_).find(body.id)) bring_back(body.motion.pose, *now, first);
   if (auto* joints = world_.effects().find<physics::Joints>()) {
     joints->start_from(states);
     (void)haptics::write_effects(world_, member_slots(devices_[device]), first.effects);  // fits, as before

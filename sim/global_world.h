@@ -141,9 +141,7 @@ class GlobalWorld {
   bool is_asleep(BodyId id) const noexcept;
   const Extraction& extraction(std::uint32_t device = 0) const noexcept { return devices_[device].extraction; }
   // The bodies that contacts connect to the proxy, as of the last snapshot; indices into bodies(), the proxy first.
-  std::span<const BodyIndex> component(std::uint32_t device = 0) const noexcept {
-    return devices_.size() == 1 ? graph_.visited() : std::span(devices_[device].component);
-  }
+  std::span<const BodyIndex> component(std::uint32_t device = 0) const noexcept { return devices_[device].component; }
   BodyId proxy_of(std::uint32_t device) const noexcept { return devices_[device].id; }
   // s: the time over which the impulses of world().contacts() are summed; 0 before the first step.
   double impulse_s() const noexcept { return macro_step_s_; }
@@ -179,7 +177,7 @@ class GlobalWorld {
     // With several devices: steps since the body, or one jointed to it, last touched the proxy; 0: it does. At most
     // kLongApart.
     BodyVector<std::uint32_t> apart{};
-    std::vector<BodyIndex> component{};  // with several devices
+    std::vector<BodyIndex> component{};  // bodies that contacts and joints link to its proxy
   };
 
   physics::SlotIndex slot_of(const Device& device) const noexcept;
@@ -216,6 +214,7 @@ class GlobalWorld {
   void add_border_work() noexcept;
   void impose_motion(Device& device, const haptics::SubWorldReport& report) noexcept;
   void find_touches_at_rest() noexcept;
+  double outside_motion_J(const Device& device) noexcept;
   void predict_border(std::uint32_t device, haptics::WorldSnapshot& first) noexcept;
   void find_touches() noexcept;
   void add_joined() noexcept;

@@ -123,6 +123,15 @@ void GlobalWorld::fill_snapshot(std::uint32_t device, std::uint64_t cycle, std::
   predictions_[device]->adopt(next);
 }
 
+// Kinetic energy of the bodies that contacts and joints link to members.
+double GlobalWorld::outside_motion_J(const Device& device) noexcept {
+  graph_.find_component(device.proxy, device.extraction.members());
+  double sum_J = 0;
+  for (const BodyIndex body : graph_.visited())
+    if (!device.extraction.is_member(body)) sum_J += kinetic_energy(islands_.bodies()[body]);
+  return sum_J;
+}
+
 // Chooses the members and fills everything but the corrections.
 void GlobalWorld::choose_members(std::uint32_t device_index, std::uint64_t cycle, std::uint32_t budget,
                                  WorldSnapshot& next) noexcept {
@@ -131,13 +140,14 @@ void GlobalWorld::choose_members(std::uint32_t device_index, std::uint64_t cycle
   if (coupling_.proxy_alone()) budget = 1;
   const auto bodies = islands_.bodies();
   const auto members = device.extraction.choose(bodies, graph_, device.reported_proxy, budget, free_, islands_.awake());
-  if (devices_.size() > 1) device.component.assign(graph_.visited().begin(), graph_.visited().end());
+  device.component.assign(graph_.visited().begin(), graph_.visited().end());
 
   next.cycle = cycle;
   next.global_time_s = time_s_;
   next.epoch = epoch();
   next.component = device.extraction.statistics().component;
   next.border_work_J = 0;
+  next.outside_motion_J = border_.has_tank ? outside_motion_J(device) : 0;
   next.dropped = 0;
   next.proxy = bodies[device.proxy].motion;
   next.members.clear();

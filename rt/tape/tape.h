@@ -30,7 +30,7 @@ namespace tactus::loop {
 static_assert(std::endian::native == std::endian::little, "the tape's numbers are written as they are in memory");
 
 inline constexpr std::array<char, 8> kTapeMagic{'T', 'A', 'C', 'T', 'A', 'P', 'E', '\0'};
-inline constexpr std::uint32_t kTapeVersion = 20;           // 20: push-out in the balance
+inline constexpr std::uint32_t kTapeVersion = 21;           // 21: outside bodies' motion in the snapshot
 inline constexpr std::uint32_t kMaxTapeRecord = 64u << 20;  // bytes of payload
 inline constexpr std::uint32_t kMaxTapeText = 8u << 20;     // bytes: a scene with its meshes, and settings
 

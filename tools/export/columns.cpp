@@ -181,7 +181,7 @@ void add_energy(Table& t) {
          "by the border on members, since the start, with sign");
   t.real("corrected_J", offsetof(Row, tick.out.corrected_J), "J",
          "given to members and the device's spring by corrections, since the start, with sign");
-  t.real("border_tank_J", offsetof(Row, tick.out.border_tank_J), "J", "energy that the border may still supply");
+  t.real("border_tank_J", offsetof(Row, tick.out.border_tank_J), "J", "energy stored for the border");
 }
 
 // The record repeats the tick's number, which is no column of its own.

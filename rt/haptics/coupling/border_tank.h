@@ -13,6 +13,11 @@
 // In a sub-step the contact rows supply at most what is stored (BorderSolver::keep_within_tank); with an empty tank
 // they only take energy. Joints (by what they supply in the tick that empties it), what is settled at the
 // synchronisation, and outside bodies that take energy, may exceed what is stored: the excess is owed and repaid first.
+// Outside bodies in motion do work on members, which the balance knows only at the end of the cycle. So the border may
+// owe kCreditShare of their kinetic energy K (WorldSnapshot::outside_motion_J). That is bounded, too: if G is what
+// border and corrections supplied beyond the outside bodies' work, E_0 the initial amount and K_0 the kinetic energy
+// without G, K is at most K_0 + G, so
+//   G <= E_0 + kCreditShare (K_0 + G) <= (E_0 + kCreditShare K_0) / (1 - kCreditShare)
 // What the damper between device and proxy takes fills the tank up to the initial amount: else a balance that is a
 // little short after an impact would stay so (SubWorld::step_members). So border and corrections have supplied at most
 // the initial amount, the work of the outside bodies, what the damper took, and what is owed; in their own sub-step
@@ -29,22 +34,29 @@ struct BorderTank {
   // Capacity between cycles: limits how much of the energy taken long ago can be supplied at once.
   static constexpr double kMaxStored_J = 0.1;
 
-  double stored_J{0}, owed_J{0};  // >= 0; at least one of them is 0
+  // Share of the outside bodies' kinetic energy that the border may owe.
+  static constexpr double kCreditShare = 0.5;
 
-  void start(double available) noexcept {
-    *this = {.stored_J = std::max(0.0, available), .owed_J = std::max(0.0, -available)};
+  double stored_J{0}, owed_J{0};  // >= 0; at least one of them is 0
+  double credit_J{0};             // what it may owe
+
+  void start(double balance) noexcept {
+    stored_J = std::max(0.0, balance);
+    owed_J = std::max(0.0, -balance);
   }
+  void lend(double outside_motion_J) noexcept { credit_J = kCreditShare * outside_motion_J; }
+  double balance_J() const noexcept { return stored_J - owed_J; }
   // Energy that the border may supply in the next tick; below 0 it must take that much first.
-  double available_J() const noexcept { return stored_J - owed_J; }
-  void settle(double energy) noexcept { start(available_J() + energy); }
-  // Adds what a damper took from the members, until `most` is available again.
+  double available_J() const noexcept { return balance_J() + credit_J; }
+  void settle(double energy) noexcept { start(balance_J() + energy); }
+  // Adds what a damper took from the members, until `most` is stored again.
   void refill(double damped, double most) noexcept {
-    if (available_J() < most) settle(std::min(damped, most - available_J()));
+    if (balance_J() < most) settle(std::min(damped, most - balance_J()));
   }
   // Once a cycle, when all of it is settled. Within a cycle the energy of an impact may be on one side of the balance
   // only.
   void keep_capacity() noexcept { stored_J = std::min(stored_J, kMaxStored_J); }
-  bool empty() const noexcept { return !(stored_J > 0); }
+  bool empty() const noexcept { return !(available_J() > 0); }
 };
 
 }  // namespace tactus::haptics

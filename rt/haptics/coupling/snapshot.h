@@ -77,6 +77,7 @@ struct WorldSnapshot {
   std::uint32_t component{0};  // bodies that the contact graph links to the proxy, capped or not
   std::uint32_t epoch{0};      // number of scene resets so far; a new value invalidates all earlier state
   double border_work_J{0};     // by outside bodies on members in the global step, with sign; ghost border only
+  double outside_motion_J{0};  // kinetic energy of the bodies that contacts and joints link to members
   FixedVector<BodyId, kMaxMembers> members;         // of cycle n, ascending; always contains the proxy
   FixedVector<physics::Body, kMaxMembers> joiners;  // members of cycle n that were not members of cycle n - 1
   // Impulses of contacts among members and with fixed bodies: of joiners and of corrected members.

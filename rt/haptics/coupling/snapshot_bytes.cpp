@@ -42,7 +42,8 @@ bool is_sound(const WorldSnapshot& s, const physics::ShapeLists& shapes) noexcep
   for (const MotionCorrection& c : s.corrections)
     if (!is_finite(Posed{c.displacement_m, c.rotation}) || !is_finite(c.velocity) || !(norm(c.rotation) > 0.5))
       return false;
-  return std::isfinite(s.border_work_J) && are_near_triangles(s, shapes.meshes);
+  return std::isfinite(s.border_work_J) && s.outside_motion_J >= 0.0 && std::isfinite(s.outside_motion_J) &&
+         are_near_triangles(s, shapes.meshes);
 }
 
 }  // namespace
@@ -54,6 +55,7 @@ void write_snapshot(ByteWriter& out, const WorldSnapshot& s) noexcept {
   out.put(s.component);
   out.put(s.epoch);
   out.put(s.border_work_J);
+  out.put(s.outside_motion_J);
   out.put(s.proxy);
   write_list(out, s.members);
   write_list(out, s.joiners);
@@ -73,6 +75,7 @@ bool read_snapshot(ByteReader& in, WorldSnapshot& s, const physics::ShapeLists& 
   in.get(s.component);
   in.get(s.epoch);
   in.get(s.border_work_J);
+  in.get(s.outside_motion_J);
   in.get(s.proxy);
   return read_list(in, s.members) && read_list(in, s.joiners) && read_list(in, s.warm_starts) &&
          read_list(in, s.corrections) && read_list(in, s.border) && read_list(in, s.outside) &&

@@ -73,6 +73,7 @@ void SubWorld::settle_cycle(const WorldSnapshot& snapshot, double taken_by_corre
   else if (!first)
     state_.tank.settle(taken_by_corrections_J + snapshot.border_work_J - state_.cycle_push_out_J);
   state_.tank.keep_capacity();
+  state_.tank.lend(snapshot.outside_motion_J);
 }
 
 void SubWorld::ask_reset(const Posed& world_from_proxy) noexcept {

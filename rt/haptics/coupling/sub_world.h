@@ -73,8 +73,9 @@ class SubWorld {
   double push_out_J() const noexcept { return state_.push_out_J; }
   // Energy that corrections gave to members and the device's spring, with sign; since the start.
   double corrected_J() const noexcept { return state_.corrected_J; }
-  double border_tank_J() const noexcept { return state_.tank.stored_J; }  // energy that the border may still supply
-  double border_owed_J() const noexcept { return state_.tank.owed_J; }    // energy that it supplied beyond that
+  double border_tank_J() const noexcept { return state_.tank.stored_J; }    // energy stored for the border
+  double border_owed_J() const noexcept { return state_.tank.owed_J; }      // energy that it supplied beyond that
+  double border_credit_J() const noexcept { return state_.tank.credit_J; }  // energy that it may owe in this cycle
   const physics::World& world() const noexcept { return world_; }
   const SubWorldConfig& config() const noexcept { return config_; }
   std::uint64_t state_hash() const noexcept;

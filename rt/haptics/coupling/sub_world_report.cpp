@@ -10,7 +10,7 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
   report.epoch = state_.epoch;
   report.wanted_epoch = state_.wanted_epoch;
   report.proxy_work_J = state_.proxy_work_J;
-  report.border_tank_J = state_.tank.available_J();
+  report.border_tank_J = state_.tank.balance_J();
   report.proxy_start = state_.proxy_start;
   report.members.clear();
   report.border.clear();

@@ -230,7 +230,6 @@ void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat
 }
 
 void BorderSolver::begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept {
-  may_supply_ = available_J_ > 0.0;
   for (GhostState& ghost : ghosts_) {
     ghost.velocity += h_ * ghost.drive;
     ghost.before = ghost.velocity;
@@ -402,8 +401,8 @@ void BorderSolver::keep_within_tank(SolverBodies<double> bodies) noexcept {
   const double given = find_works(bodies);
   double sum{};
   for (const Row& row : rows_) sum += row.active ? row.sub_step_work : 0.0;
-  if (sum <= available_J_ || !(given > 0.0)) return;
-  const double share = std::max(0.0, available_J_) / given;
+  if (sum <= left_J() || !(given > 0.0)) return;
+  const double share = std::max(0.0, left_J()) / given;
   for (Row& row : rows_) {
     if (!row.active) continue;
     SolverBody<double>& body = bodies.motion[row.slot];

@@ -40,6 +40,12 @@ class BorderSolver {
   void prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, std::span<const Body> bodies,
                SolverBodies<double> solver_bodies, const BorderStep& step) noexcept;
   void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves
+  // True if some energy is left for this sub-step. `by_joints_J`: what joints to outside bodies have supplied in the
+  // step.
+  bool may_supply(double by_joints_J) noexcept {
+    by_joints_J_ = by_joints_J;
+    return may_supply_ = left_J() > 0.0;
+  }
   void apply_replay(SolverBodies<double> bodies) noexcept;
   void warm_start(SolverBodies<double> bodies) noexcept;
   void solve(SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
@@ -125,14 +131,15 @@ class BorderSolver {
   void solve_normal(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
                     bool biased) noexcept;
   void store_impulses(std::span<BorderContact> contacts, double share) const noexcept;
+  double left_J() const noexcept { return available_J_ - by_joints_J_; }
 
   BoundedVector<Row> rows_;
   BoundedVector<Pair> pairs_;
   BoundedVector<GhostState> ghosts_;  // in the order of the world's ghosts
   double h_{};
-  BorderTraits rule_;      // of the mode
-  bool may_supply_{true};  // this sub-step started with some energy available
-  double available_J_{};   // J: what is left of it
+  BorderTraits rule_;                     // of the mode
+  bool may_supply_{true};                 // this sub-step started with some energy available
+  double available_J_{}, by_joints_J_{};  // J: less the work of contacts so far; what joints supplied
 };
 
 }  // namespace tactus::physics

@@ -74,7 +74,7 @@ struct Tick {
   double device_energy_J{0};          ///< from the hand into the device so far; negative: net energy to the hand
   double damped_energy_J{0};          ///< dissipated by the passivity controller so far
   double border_work_J{0};            ///< done by the border on the members so far
-  double border_tank_J{0};            ///< energy that the border may still supply
+  double border_tank_J{0};            ///< energy stored for the border
   double deepest_overlap_m{0};        ///< deepest contact of the members, in this tick
   FaultCode fault{FaultCode::kNone};  ///< latched
   std::uint32_t conditions{0};        ///< bits of Condition
