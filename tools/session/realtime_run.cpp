@@ -133,7 +133,7 @@ class HandRun {
     summary.overruns_own_work = tick_.own_work;
     summary.overruns_interrupted = tick_.interrupted;
     summary.calibration = calibration_;
-    summary.forecast = tick_.forecast;
+    summary.cost_prediction = tick_.cost_prediction;
     summary.haptic_cpu = settings_.setup.cpu;
     summary.stolen_share = stolen_share(cpu_before_, cpu_time_now(settings_.setup.cpu));
     if (world != nullptr) summary.global_step = world->step_times();
