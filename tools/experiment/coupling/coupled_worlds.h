@@ -60,8 +60,8 @@ class CoupledWorlds {
   // borders without a tank, whose work in the global world is not counted.
   double springs_J() const noexcept;
   double held_by_border_J() const noexcept;
-  WorldKeyframe moment(std::uint64_t tick,
-                       bool every_bit) const;  // of the direct coupling; without every bit: no `state`
+  WorldKeyframe keyframe(std::uint64_t tick,
+                         bool every_bit) const;  // of the direct coupling; without every bit: no `state`
 
   const haptics::SubWorld& sub_world() const noexcept { return *sub_world_; }
   const sim::GlobalWorld* global() const noexcept { return global_.get(); }
@@ -71,7 +71,7 @@ class CoupledWorlds {
  private:
   bool exchanges() const noexcept { return global_ != nullptr; }
   void shift_proxy(const WorldKeyframe& now, const Vec3d& shift);
-  haptics::DeviceTarget device_that_holds(const WorldKeyframe& moment, const Wrenchd& on_proxy) const;
+  haptics::DeviceTarget device_that_holds(const WorldKeyframe& at, const Wrenchd& on_proxy) const;
 
   bool haptic_side_moves(BodyId member) const noexcept;
 
