@@ -55,10 +55,10 @@ class CoupledWorlds {
   bool at_synchronisation() const noexcept;
   EnergySample motion() const noexcept;                // at a synchronisation
   void bodies(std::vector<physics::Body>& all) const;  // that move, by id; at a synchronisation
-  // Energy [J] at a synchronisation: of the springs of contacts and joints (sim/energy_balance.h); and what the border
-  // has taken from bodies and not yet given to others. That is 0 if it has given more than it had taken, and for
-  // borders without a tank, whose work in the global world is not counted.
+  // Energy of the springs of contacts and joints at a synchronisation [J] (sim/energy_balance.h).
   double springs_J() const noexcept;
+  // Energy that the border has taken from bodies and not yet returned, at a synchronisation [J]; 0 if it returned more,
+  // and for borders without a tank.
   double held_by_border_J() const noexcept;
   WorldKeyframe keyframe(std::uint64_t tick,
                          bool every_bit) const;  // of the direct coupling; without every bit: no `state`
