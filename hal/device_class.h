@@ -104,8 +104,8 @@ std::string device_mistake(const std::string& text);
 // Splits NAME[:ADDRESS] and checks both. Error, one line: what was given and what is accepted.
 Result<DeviceChoice> choose_device(const std::string& text);
 
-// Of a device that --device names `text`. Error, one line: it does not run in virtual time; a description of it has no
-// effect.
+// Of a device that --device names `text`. Errors, one line each: the device does not run in virtual time; the device
+// ignores a description.
 Status check_virtual_time(const DeviceClass& device_class, const std::string& text);
 Status check_described(const DeviceClass& device_class, const std::string& text);
 

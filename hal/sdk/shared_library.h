@@ -23,7 +23,8 @@ struct LibrarySearch {
 
 class SharedLibrary {
  public:
-  // `given`: a folder, or a library; empty: the variables, then where the system looks. Error, one line: why not.
+  // `given`: a folder, or a library; empty: the variables, then where the system looks. Error, one line: why it cannot
+  // be opened.
   static Result<SharedLibrary> open(const LibrarySearch& search, const std::filesystem::path& given);
   SharedLibrary(SharedLibrary&& other) noexcept;
   SharedLibrary& operator=(SharedLibrary&&) = delete;
