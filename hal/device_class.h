@@ -71,11 +71,11 @@ struct DeviceClass {
   bool describes_itself{false};
   // The scene's [hand] holds the tool.
   bool hand_by_script{false};
-  // What `tactus doctor` looks at: USB, or these CAN interfaces. Null: no CAN.
+  // What `tactus doctor` examines: USB, or these CAN interfaces. Null: no CAN.
   bool usb{false};
   std::vector<std::string> (*can_interfaces)(std::string_view address){nullptr};
-  // What this machine has of that which the class needs, such as a maker's library, as a line for `tactus doctor`;
-  // opens no device. Null: nothing. Error, one line: what is missing.
+  // One line for `tactus doctor`: what the class needs and this machine has, such as a maker's library. Opens no
+  // device. Null: the class needs nothing. Error, one line: what is missing.
   Result<std::string> (*look)(std::string_view address){nullptr};
   // For a device whose force gain, motor values per N m, its user measures (`tactus hil --calibrate`): returns the gain
   // that an address contains, and the address with another gain. Null: there is no gain to measure.

@@ -1,6 +1,7 @@
 // A maker's library that the user has installed: found by name, loaded by dlopen, its functions taken by name.
 //
-// Nothing of a maker is part of tactus. The library stays loaded when the object ends: its threads may live on.
+// tactus contains nothing of a maker. The library stays loaded when the object is destroyed, because its threads may
+// still run.
 // Thread: [setup].
 #pragma once
 

@@ -443,8 +443,8 @@ void World::solve(std::span<const std::uint8_t> frozen, std::span<PoseSpring> sp
   single_solver_->step(input, settings, cut, report);
 }
 
-// Solves the coarse region; the others have been solved and are frozen. Impulses stored between steps are those of the
-// other bodies' sub-step.
+// Solves the coarse region. The other bodies have been solved and are frozen. Between steps, contacts store impulses of
+// the other bodies' sub-step; those of the coarse region are converted before and after.
 void World::solve_coarse(const CoarseRegion& coarse, const StepSettings& settings, const CutPredicate& cut,
                          StepReport& report) noexcept {
   TACTUS_CHECK(coarse.bodies.size() == bodies_.size() && coarse.sub_steps > 0, coarse.bodies.size(), coarse.sub_steps);

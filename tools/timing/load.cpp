@@ -88,7 +88,7 @@ Status Load::start(LoadKind kind, int spare_cpu) {
   const std::vector<int> cpus = cores_without(spare_cpu);
   const pid_t parent = getpid();
   const std::size_t count = kind == LoadKind::kStressNg ? 1 : cpus.size();
-  // A child that is ended must not run this program's signal handlers, not even before it has reset them.
+  // A child that receives SIGTERM or SIGINT must not run this program's handlers, not even before it has reset them.
   sigset_t endings, before;
   sigemptyset(&endings);
   sigaddset(&endings, SIGTERM);

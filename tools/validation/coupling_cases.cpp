@@ -50,9 +50,10 @@ void add_hole(CaseWorld& world, double mouth, double friction) {
   }
 }
 
-// How far a peg slides in a second, kSlides_m at most, when a force presses at the rim of its section, a moment having
-// tilted it against mouth and wall before. Both contacts press with N = M / depth, M = F d / 2, and friction carries F
-// while F <= 2 mu N: it wedges at depths up to mu d (Whitney 1982, two-point contact).
+// Returns how far a peg slides into the hole in a second [m], kSlides_m at most. A moment M first tilts the peg against
+// mouth and wall; then a force F presses at the rim of its section. Each contact has the normal force N = M / depth,
+// M = F d / 2, and friction carries F while F <= 2 mu N: the peg wedges at depths up to mu d (Whitney 1982, two-point
+// contact).
 double slides_at_depth(double depth, double friction, const Setting& setting, Outcome& outcome) {
   const double force = 10, moment = 0.5 * kPegSide_m * force;
   CaseWorld world(setting);
