@@ -71,11 +71,11 @@ struct DeviceClass {
   bool describes_itself{false};
   // The scene's [hand] holds the tool.
   bool hand_by_script{false};
-  // What `tactus doctor` looks at: USB, or these CAN interfaces. Null: no CAN.
+  // What `tactus doctor` examines: USB, or these CAN interfaces. Null: no CAN.
   bool usb{false};
   std::vector<std::string> (*can_interfaces)(std::string_view address){nullptr};
-  // What this machine has of that which the class needs, such as a maker's library, as a line for `tactus doctor`;
-  // opens no device. Null: nothing. Error, one line: what is missing.
+  // One line for `tactus doctor`: what the class needs and this machine has, such as a maker's library. Opens no
+  // device. Null: the class needs nothing. Error, one line: what is missing.
   Result<std::string> (*look)(std::string_view address){nullptr};
   // For a device whose force gain, motor values per N m, its user measures (`tactus hil --calibrate`): returns the gain
   // that an address contains, and the address with another gain. Null: there is no gain to measure.
@@ -104,8 +104,8 @@ std::string device_mistake(const std::string& text);
 // Splits NAME[:ADDRESS] and checks both. Error, one line: what was given and what is accepted.
 Result<DeviceChoice> choose_device(const std::string& text);
 
-// Of a device that --device names `text`. Error, one line: it does not run in virtual time; a description of it has no
-// effect.
+// Of a device that --device names `text`. Errors, one line each: the device does not run in virtual time; the device
+// ignores a description.
 Status check_virtual_time(const DeviceClass& device_class, const std::string& text);
 Status check_described(const DeviceClass& device_class, const std::string& text);
 

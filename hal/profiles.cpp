@@ -110,9 +110,12 @@ DeviceProfile make_profile(const DeviceDescription& d) {
   p.transport_delay_ticks = d.transport_delay_ticks;
   p.kinematics = kinematics_of(d);
   p.quantum = quantum_of(d);
-  p.bounds = bounds_over(
-      p.kinematics, p.quantum,
-      {d.workspace_radius_m, d.peak_force_N, d.peak_torque_Nm, d.max_speed_m_per_s, d.max_angular_speed_rad_per_s});
+  p.bounds = bounds_over(p.kinematics, p.quantum,
+                         {.workspace_radius_m = d.workspace_radius_m,
+                          .force_N = d.peak_force_N,
+                          .torque_Nm = d.peak_torque_Nm,
+                          .speed_m_per_s = d.max_speed_m_per_s,
+                          .angular_speed_rad_per_s = d.max_angular_speed_rad_per_s});
   p.properties = {.has_rotation = d.has_rotation(),
                   .workspace_radius_m = d.workspace_radius_m,
                   .max_speed_m_per_s = d.max_speed_m_per_s,

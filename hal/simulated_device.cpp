@@ -80,7 +80,7 @@ double SimulatedDevice::time_s(std::uint64_t tick, unsigned sub_step) const noex
 }
 
 HandTarget SimulatedDevice::target_at(std::uint64_t tick, unsigned sub_step) const noexcept {
-  if (hand_is_led_) return led_hand_.at(time_s(0, sub_step));
+  if (hand_is_operated_) return operated_hand_.at(time_s(0, sub_step));
   const double since_s = time_s(tick - hand_since_, sub_step);
   return hand_returns_ ? hand_.returning_from(return_from_, since_s) : hand_.target_at(path_from_s_ + since_s);
 }
@@ -89,23 +89,23 @@ void SimulatedDevice::return_hand() noexcept {
   return_from_ = hand_target().pose;
   hand_since_ = now_;
   hand_returns_ = true;
-  hand_is_led_ = false;
+  hand_is_operated_ = false;
 }
 
 void SimulatedDevice::take_hand() noexcept {
-  led_hand_.begin(hand_target());
-  hand_is_led_ = true;
+  operated_hand_.begin(hand_target());
+  hand_is_operated_ = true;
   hand_returns_ = false;
 }
 
 void SimulatedDevice::lead_hand(const Vec3d& moved, const Vec3d& turned) noexcept {
-  if (!hand_is_led_) take_hand();
-  led_hand_.wish(moved, turned);
+  if (!hand_is_operated_) take_hand();
+  operated_hand_.wish(moved, turned);
 }
 
 void SimulatedDevice::hold_hand() noexcept {
-  if (!hand_is_led_) take_hand();
-  led_hand_.hold();
+  if (!hand_is_operated_) take_hand();
+  operated_hand_.hold();
 }
 
 bool SimulatedDevice::hand_is_back() const noexcept {
@@ -133,7 +133,7 @@ void SimulatedDevice::advance_plant() noexcept {
   for (unsigned i = 0; i < kAxisCount; ++i) effort[i] = static_cast<double>(outputs_.effort[i]);
   const double h_s = time_s(0, 1);
   for (unsigned s = 1; s <= options_.sub_steps; ++s) plant_.step(h_s, effort, outputs_.brake, target_at(now_ - 1, s));
-  if (hand_is_led_) led_hand_.advance(time_s(0, options_.sub_steps));
+  if (hand_is_operated_) operated_hand_.advance(time_s(0, options_.sub_steps));
 }
 
 void SimulatedDevice::run_firmware() noexcept {

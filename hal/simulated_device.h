@@ -16,7 +16,7 @@
 #include "firmware/device.h"
 #include "hal/fault_injection.h"
 #include "hal/frame_codec.h"
-#include "hal/led_hand.h"
+#include "hal/operated_hand.h"
 #include "hal/plant.h"
 #include "hal/simulated_link.h"
 #include "hal/told_idle.h"
@@ -50,12 +50,13 @@ class SimulatedDevice {
   bool hand_is_back() const noexcept;
   void start_path(double into_s) noexcept;
 
-  // A person leads the hand [rt], see LedHand. take_hand(): from where it is now, until return_hand(); lead_hand(): to
-  // this far from there, in the device's frame [m; rotation vector, rad]; hold_hand(): it rests where it is.
+  // A person operates the hand [rt], see OperatedHand. take_hand(): from where it is now, until return_hand().
+  // lead_hand(): to this far from there, in the device's frame [m; rotation vector, rad]. hold_hand(): it rests where
+  // it is.
   void take_hand() noexcept;
   void lead_hand(const Vec3d& moved, const Vec3d& turned) noexcept;
   void hold_hand() noexcept;
-  bool hand_is_led() const noexcept { return hand_is_led_; }
+  bool hand_is_operated() const noexcept { return hand_is_operated_; }
 
   // --- the exact simulated state
   std::uint64_t tick() const noexcept { return now_; }  // of the last read, from 0
@@ -92,8 +93,8 @@ class SimulatedDevice {
   std::uint64_t hand_since_{0};  // tick at which the hand's path, or its return, began
   double path_from_s_{0};        // path time at that tick
   bool hand_returns_{false};
-  LedHand led_hand_;
-  bool hand_is_led_{false};
+  OperatedHand operated_hand_;
+  bool hand_is_operated_{false};
   Posed return_from_;
   Plant plant_;
   firmware::Device device_;

@@ -92,8 +92,10 @@ GlobalWorld::GlobalWorld(const Scene& scene, const GlobalOptions& options)
   touches_.reserve(touches_for(scene));
   member_slots_.reserve(capacities_for(scene).bodies);
   velocity_before_.reserve(capacities_for(scene).bodies);
-  add_device(scene,
-             {scene.proxy, options.gains, options.reach.max_speed_m_per_s, options.reach.max_angular_speed_rad_per_s});
+  add_device(scene, {.proxy = scene.proxy,
+                     .gains = options.gains,
+                     .max_speed_m_per_s = options.reach.max_speed_m_per_s,
+                     .max_angular_speed_rad_per_s = options.reach.max_angular_speed_rad_per_s});
   for (const FurtherDevice& device : options.more_devices) add_device(scene, device);
   for (Device& device : devices_) device.component.reserve(islands_.bodies().size());
   if (devices_.size() > 1) {

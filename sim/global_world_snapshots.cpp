@@ -34,7 +34,7 @@ void GlobalWorld::add_approaching() noexcept {
 void GlobalWorld::add_approaching(const Device& device) noexcept {
   const auto awake = islands_.awake();
   const auto bodies = std::as_const(world_).bodies();
-  // A body of each of two sub-worlds: the first of the devices has found this pair.
+  // True if one body is a member of an earlier device's sub-world and the other is not: that device found this pair.
   const auto was_found = [&](const Approaching& pair) noexcept {
     return std::any_of(std::as_const(devices_).data(), &device, [&](const Device& before) noexcept {
       return before.extraction.is_member(awake[number_of(pair.a)]) !=

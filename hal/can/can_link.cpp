@@ -38,7 +38,7 @@ Status cannot_open(const std::string& interface, const CanOpenError& error) {
   return Status::error(fmt::format("cannot open {}: {}", interface, std::strerror(error.number)));
 }
 
-// Nodes that were heard to send states, and the format of the selected one.
+// Nodes whose states were received. `ours`: the selected one is among them; `ours_fd`: it sends CAN FD frames.
 struct Heard {
   std::bitset<firmware::kMaxCanNode + 1> nodes;
   bool ours{false}, ours_fd{false};

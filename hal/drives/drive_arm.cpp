@@ -13,7 +13,7 @@ using haptics::DeviceState;
 using haptics::ReadStatus;
 
 constexpr unsigned kSilentPeriods = 10, kEnablingPeriods = 20;
-constexpr double kLongestStart_s = 0.05;  // of a drive that tells that it starts; a moteus takes 10 to 15 ms
+constexpr double kLongestStart_s = 0.05;  // of a drive that reports kStarting; a moteus takes 10 to 15 ms
 // An answer belongs to this period if it is younger than this many periods.
 constexpr double kFreshPeriods = 1.5;
 

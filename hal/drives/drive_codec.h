@@ -25,8 +25,8 @@ struct DriveCommand {
   DriveAction action{DriveAction::kPoll};
   double torque_Nm{0};
   double damping_Nms_per_rad{0};
-  // Of a field without an exact zero: the side to which a value in the middle of two steps is rounded. Alternated by
-  // the caller, the mean is right.
+  // For a field without an exact zero: a value midway between two steps is rounded up or down. The caller alternates
+  // this, so that the mean of the values sent is exact.
   bool round_up{false};
 };
 
@@ -36,7 +36,7 @@ enum class DriveMode : std::uint8_t {
   kEnabled = 2,
   kFaulted = 3,
   kTimedOut = 4,
-  kStarting = 5,  // on its way from disabled to enabled: no torque yet
+  kStarting = 5,  // between disabled and enabled: no torque yet
   kOther = 6,     // enabled in a mode that is not the one of torque commands, such as a brake
 };
 

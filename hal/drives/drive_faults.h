@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kDriveLeftForce = kOfHost | 40;     // + axis: it
 inline constexpr std::uint32_t kDriveSilent = kOfHost | 48;        // + axis: no answer for ten periods
 inline constexpr std::uint32_t kDriveLacksTorque = kOfHost | 56;   // + axis: it answers, but makes no torque
 
-// kDriveLeftForce + axis, with the mode that the drive reports; and one that was not enabled in time.
+// Both return kDriveLeftForce + axis: with the mode that the drive reports; for a drive that was not enabled in time.
 std::uint32_t drive_left_force(unsigned axis, DriveFamily family, DriveMode told) noexcept;
 std::uint32_t drive_never_enabled(unsigned axis, DriveFamily family) noexcept;
 // kDriveReportsFault + axis, with the code of the drive.

@@ -235,7 +235,7 @@ bool SimulatedDrive::hear_robstride(const DriveFrame& frame, const DriveShaft& s
 
 // --- moteus: the sub-frames that the host sends, not the whole grammar
 
-// The console: of all that it knows, the configuration of the time-out.
+// The text console. Of its commands, only the one that reads servo.timeout_mode is simulated.
 bool SimulatedDrive::hear_moteus_text(const DriveFrame& frame, DriveFrame& reply) noexcept {
   constexpr std::string_view kQuestion = "conf get servo.timeout_mode\n";
   if (frame.data[0] == 0x40) {

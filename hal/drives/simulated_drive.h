@@ -85,7 +85,7 @@ class SimulatedDrive {
   double timeout_s_{0}, silent_s_{0};  // timeout 0: off
   std::uint32_t control_mode_{2};      // as a Damiao may come from its maker: not MIT
   unsigned timeout_mode_{15};
-  double start_s_, starts_in_s_{0};  // moteus: to position mode, and what is left of it; 0: it is not on its way
+  double start_s_, starts_in_s_{0};  // moteus: time to reach position mode, and the rest of it; 0: it is not starting
   std::uint32_t serial_{0xabcd0000u};
   bool text_waits_{false};  // of a moteus' console
   double estimate_due_s_{0}, heartbeat_due_s_{0};

@@ -62,7 +62,7 @@ void FalconDevice::exchange() noexcept {
     lost = answered ? 0 : lost + 1;
     connected_.store(lost < kLost, std::memory_order_relaxed);
     if (!answered) {
-      // A device that is gone refuses at once: without a rest this thread would take its core for itself.
+      // An unplugged device fails at once: without this sleep the thread would use its core without a pause.
       MonotonicClock::sleep_until_ns(MonotonicClock::now_ns() + kRest_ns);
       continue;
     }

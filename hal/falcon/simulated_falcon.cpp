@@ -49,7 +49,7 @@ bool SimulatedFalconPort::write(std::span<const std::uint8_t> bytes) noexcept {
 
 void SimulatedFalconPort::hear(std::uint8_t byte) noexcept {
   if (program_ == Program::kRunning) {
-    if (divisor_ != 0 && divisor_ != 0x02) return;  // at another rate it hears nothing
+    if (divisor_ != 0 && divisor_ != 0x02) return;  // it receives no bytes at another rate
     if (byte == '<') request_size_ = 0;
     if (request_size_ < request_.size()) request_[request_size_++] = byte;
     if (byte == '>' && request_size_ == request_.size()) answer();

@@ -219,7 +219,7 @@ void SdkWorker::exchange() noexcept {
   } else if (unasked_ < kBrakeMissed) {
     ++unasked_;
   }
-  if (!newest_.force) reported_ = 0;  // the haptic thread knows it, or gives no force for another reason
+  if (!newest_.force) reported_ = 0;  // the haptic thread has the fault, or requests no force for another reason
   const bool wants = newest_.force && unasked_ < kBrakeMissed && reported_ == 0;
   if (wants != forces_ && port_->enable_forces(wants)) forces_ = wants;
   const double share = share_after(unasked_);

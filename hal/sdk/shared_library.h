@@ -1,6 +1,7 @@
 // A maker's library that the user has installed: found by name, loaded by dlopen, its functions taken by name.
 //
-// Nothing of a maker is part of tactus. The library stays loaded when the object ends: its threads may live on.
+// tactus contains nothing of a maker. The library stays loaded when the object is destroyed, because its threads may
+// still run.
 // Thread: [setup].
 #pragma once
 
@@ -23,7 +24,8 @@ struct LibrarySearch {
 
 class SharedLibrary {
  public:
-  // `given`: a folder, or a library; empty: the variables, then where the system looks. Error, one line: why not.
+  // `given`: a folder, or a library; empty: the variables, then where the system looks. Error, one line: why it cannot
+  // be opened.
   static Result<SharedLibrary> open(const LibrarySearch& search, const std::filesystem::path& given);
   SharedLibrary(SharedLibrary&& other) noexcept;
   SharedLibrary& operator=(SharedLibrary&&) = delete;

@@ -35,7 +35,7 @@ enum StatusBit : std::uint32_t {
   kSlewLimited = 1u << 4,
   kPassivityActive = 1u << 5,    // the passivity controller adds damping
   kWorldLate = 1u << 6,          // the cycle is longer than r ticks
-  kBorderFrozen = 1u << 7,       // late by more than 4 r ticks: border bodies at rest
+  kBorderFrozen = 1u << 7,       // late by more than 4 r ticks: outside bodies count as at rest
   kWorldFade = 1u << 8,          // late by more than 100 ms: the force is faded out
   kSolverCut = 1u << 9,          // the cut predicate fired
   kSubStepsReduced = 1u << 10,   // the governor chose fewer sub-steps than configured

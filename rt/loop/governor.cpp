@@ -10,13 +10,13 @@ WorkCounts with_joiners(const WorkCounts& known) noexcept {
   counts.pairs += kContactsPerJoin * known.joins;
   counts.contacts += kContactsPerJoin * known.joins;
   counts.points += kContactsPerJoin * kPointsPerContact * known.joins;
-  counts.searched += kContactsPerJoin * known.joins;
+  counts.comparisons += kContactsPerJoin * known.joins;
   return counts;
 }
 
-WorkCounts with_all_searched(const WorkCounts& known) noexcept {
+WorkCounts with_all_compared(const WorkCounts& known) noexcept {
   WorkCounts counts = known;
-  counts.searched = std::max(known.pairs, known.searched);
+  counts.comparisons = std::max(known.pairs, known.comparisons);
   return counts;
 }
 
@@ -25,7 +25,7 @@ CostModel units_of(const WorkCounts& n, std::uint32_t sub_steps) noexcept {
   return {.fixed = 1,
           .per_body = 1.0 * n.bodies,
           .per_pair = 1.0 * n.pairs,
-          .per_search = 1.0 * n.searched,
+          .per_search = 1.0 * n.comparisons,
           .per_contact = 1.0 * n.contacts,
           .per_border = 1.0 * n.border,
           .per_body_sub_step = s * n.bodies,
@@ -45,9 +45,9 @@ double predict_ns(const CostModel& cost, const WorkCounts& counts, std::uint32_t
 }
 
 TickPlan Governor::plan(const WorkCounts& known) noexcept {
-  searched_ = std::max(known.searched, searched_ - (searched_ + 15) / 16);
+  comparisons_ = std::max(known.comparisons, comparisons_ - (comparisons_ + 15) / 16);
   WorkCounts counts = known;
-  counts.searched = known.pairs > 0 ? searched_ : 0;
+  counts.comparisons = known.pairs > 0 ? comparisons_ : 0;
   counts = with_joiners(counts);
   const double budget_ns = config_.budget * config_.period_ns;
   TickPlan plan;
@@ -63,7 +63,7 @@ TickPlan Governor::plan(const WorkCounts& known) noexcept {
 
 std::uint32_t Governor::member_budget(const WorkCounts& counts) noexcept {
   const double budget_ns = config_.budget * config_.period_ns;
-  const double predicted_ns = predict_ns(config_.cost, with_all_searched(counts), config_.min_sub_steps);
+  const double predicted_ns = predict_ns(config_.cost, with_all_compared(counts), config_.min_sub_steps);
   if (counts.bodies > 0 && predicted_ns > budget_ns) {
     // All cost but the fixed one is proportional to the members.
     const double room_ns = std::max(0.0, budget_ns - config_.cost.fixed);

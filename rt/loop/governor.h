@@ -52,7 +52,7 @@ static_assert(sizeof(CostModel) == sizeof(double) * std::size(kCosts), "one is n
 // Predicted work of a tick: the counts of the last tick and the joins of this one.
 struct WorkCounts {
   std::uint32_t bodies{0}, pairs{0}, contacts{0}, points{0}, border{0};
-  std::uint32_t searched{0};  // shape comparisons, in equivalent pairs of boxes: physics::StepReport::comparisons
+  std::uint32_t comparisons{0};  // shape comparisons, in equivalent pairs of boxes: physics::StepReport::comparisons
   std::uint32_t joins{0};
   bool synchronises{false};
 };
@@ -73,7 +73,7 @@ inline constexpr std::uint32_t kContactsPerJoint = 2;
 // The counts including the estimated bodies and contacts of the joiners.
 WorkCounts with_joiners(const WorkCounts& counts) noexcept;
 // Upper bound for these bodies and contacts: every pair is compared, none is carried over.
-WorkCounts with_all_searched(const WorkCounts& counts) noexcept;
+WorkCounts with_all_compared(const WorkCounts& counts) noexcept;
 
 // Number of units of each cost in a tick of these counts.
 CostModel units_of(const WorkCounts& counts, std::uint32_t sub_steps) noexcept;
@@ -106,7 +106,7 @@ class Governor {
  private:
   GovernorConfig config_;
   std::uint32_t member_budget_;
-  std::uint32_t searched_{0};  // recent maximum; decays by a sixteenth per tick
+  std::uint32_t comparisons_{0};  // recent maximum; decays by a sixteenth per tick
 };
 
 }  // namespace tactus::loop

@@ -55,7 +55,13 @@ class HapticDriver {
     std::uint32_t component{0};
     std::uint32_t member_budget{haptics::kMaxMembers};
   };
-  State state() const noexcept { return {input_.device, output_, plan_, component_, member_budget_}; }
+  State state() const noexcept {
+    return {.device = input_.device,
+            .output = output_,
+            .plan = plan_,
+            .component = component_,
+            .member_budget = member_budget_};
+  }
   // [setup] Between two ticks.
   void set_state(const State& state) noexcept {
     input_ = {};

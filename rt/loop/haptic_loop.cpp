@@ -259,7 +259,7 @@ WorkCounts HapticLoop::counts() const noexcept {
   WorkCounts counts;
   counts.bodies = sub_world_.members();
   counts.pairs = report_.pairs;
-  counts.searched = report_.comparisons;
+  counts.comparisons = report_.comparisons;
   counts.contacts = report_.contacts + kContactsPerJoint * report_.joints;
   counts.points = report_.points + kContactsPerJoint * kPointsPerContact * report_.joints;
   counts.border = sub_world_.border_contacts();

@@ -9,7 +9,7 @@ OverrunCause classify_overrun(double wake_late_ns, double used_ns, double predic
   return OverrunCause::kInterrupted;
 }
 
-void ForecastStats::add(double predicted, double measured) noexcept {
+void CostPredictionStats::add(double predicted, double measured) noexcept {
   predicted_ns.record(static_cast<std::int64_t>(predicted));
   measured_permille.record(static_cast<std::int64_t>(1000.0 * measured / std::max(predicted, 1.0)));
   if (measured > predicted) ++above;

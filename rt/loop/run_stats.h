@@ -27,7 +27,7 @@ struct FaultEvent {
 };
 
 // Predicted and measured times of the ticks.
-struct ForecastStats {
+struct CostPredictionStats {
   Histogram predicted_ns, measured_permille;  // measured / predicted
   std::uint64_t above{0};                     // ticks that took longer than predicted
 

@@ -37,8 +37,8 @@ struct TickTimes {
   std::uint64_t skipped{0};
   std::int64_t scheduled_ns{0}, woke_ns{0}, read_ns{0}, adopted_ns{0}, coupled_ns{0}, collided_ns{0}, stepped_ns{0},
       computed_ns{0}, wrote_ns{0};
-  std::int64_t cpu_ns{0};       // processor time of the thread, from woke to wrote
-  std::int64_t foreseen_ns{0};  // predicted by the cost model for read to computed
+  std::int64_t cpu_ns{0};        // processor time of the thread, from woke to wrote
+  std::int64_t predicted_ns{0};  // by the cost model, for read to computed
   // Since the end of the tick before.
   std::uint32_t minor_faults{0}, major_faults{0}, voluntary_switches{0}, involuntary_switches{0};
   std::uint32_t members{0}, contacts{0}, points{0}, border{0}, sub_steps{0};

@@ -126,7 +126,7 @@ class TimedTick {
 
   void complete_record(const TickOutput& out, std::int64_t computed_ns, std::int64_t wrote_ns) noexcept {
     TickTimes& times = probe_->times();
-    times.foreseen_ns = static_cast<std::int64_t>(driver_.plan().predicted_ns);
+    times.predicted_ns = static_cast<std::int64_t>(driver_.plan().predicted_ns);
     times.members = out.members;
     times.contacts = out.contacts;
     times.points = out.points;

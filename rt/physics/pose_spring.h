@@ -5,7 +5,8 @@
 // M + G, which contacts and joints use. The spring is no row of a sweep, and it is stable on the body's side for any
 // K, B, h. The target receives the opposite impulse: the force on the device is minus the sum of the impulses over a
 // step, divided by its length.
-// Source: study 3.1; Colgate 1995 (virtual coupling). Frame: world. Units: SI. Thread: the owner of the World.
+// Source: backward Euler of spring and damper, formula above; Colgate 1995 (virtual coupling). Frame: world. Units: SI.
+// Thread: the owner of the World.
 #pragma once
 
 #include <cstdint>

@@ -376,7 +376,8 @@ std::uint32_t World::add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t
   return left_out;
 }
 
-StepReport World::finish_step(const StepSettings& settings, const CutPredicate& cut, const CoarseRegion& far) noexcept {
+StepReport World::finish_step(const StepSettings& settings, const CutPredicate& cut,
+                              const CoarseRegion& coarse) noexcept {
   TACTUS_CHECK(settings.sub_steps > 0 && settings.dt > 0.0, settings.sub_steps, settings.dt);
   TACTUS_CHECK(bounds_.size() == bodies_.size(), bounds_.size(), bodies_.size());
   StepReport report;
@@ -406,13 +407,13 @@ StepReport World::finish_step(const StepSettings& settings, const CutPredicate& 
                    .mesh_triangles = mesh_triangles_.span()},
                   settings, h, impulse_scale, report, executor_);
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) last_poses_[i] = bodies_[i].motion.pose;
-  if (far.bodies.empty()) {
+  if (coarse.bodies.empty()) {
     solve(frozen_.span(), springs_, settings, impulse_scale, cut, report);
   } else {
     frozen_in_solve_.resize(bodies_.size());
-    for (std::uint32_t i = 0; i < bodies_.size(); ++i) frozen_in_solve_[i] = frozen_[i] | far.bodies[i];
+    for (std::uint32_t i = 0; i < bodies_.size(); ++i) frozen_in_solve_[i] = frozen_[i] | coarse.bodies[i];
     solve(frozen_in_solve_.span(), springs_, settings, impulse_scale, cut, report);
-    solve_far(far, settings, cut, report);
+    solve_coarse(coarse, settings, cut, report);
   }
   if (wrench_applied_)
     for (Wrenchd& wrench : wrenches_) wrench = {};
@@ -442,19 +443,19 @@ void World::solve(std::span<const std::uint8_t> frozen, std::span<PoseSpring> sp
   single_solver_->step(input, settings, cut, report);
 }
 
-// Solves the coarse region; the others have been solved and are frozen. Impulses stored between steps are those of the
-// other bodies' sub-step.
-void World::solve_far(const CoarseRegion& far, const StepSettings& settings, const CutPredicate& cut,
-                      StepReport& report) noexcept {
-  TACTUS_CHECK(far.bodies.size() == bodies_.size() && far.sub_steps > 0, far.bodies.size(), far.sub_steps);
+// Solves the coarse region. The other bodies have been solved and are frozen. Between steps, contacts store impulses of
+// the other bodies' sub-step; those of the coarse region are converted before and after.
+void World::solve_coarse(const CoarseRegion& coarse, const StepSettings& settings, const CutPredicate& cut,
+                         StepReport& report) noexcept {
+  TACTUS_CHECK(coarse.bodies.size() == bodies_.size() && coarse.sub_steps > 0, coarse.bodies.size(), coarse.sub_steps);
   TACTUS_CHECK(border_contacts_.empty(), bodies_.size(), border_contacts_.size());
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i) frozen_in_solve_[i] = frozen_[i] | (far.bodies[i] ^ 1);
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) frozen_in_solve_[i] = frozen_[i] | (coarse.bodies[i] ^ 1);
   StepSettings fewer = settings;
-  fewer.sub_steps = far.sub_steps;
-  const double longer = static_cast<double>(settings.sub_steps) / static_cast<double>(far.sub_steps);
-  contacts_.scale_impulses_of(far.bodies, longer);
+  fewer.sub_steps = coarse.sub_steps;
+  const double longer = static_cast<double>(settings.sub_steps) / static_cast<double>(coarse.sub_steps);
+  contacts_.scale_impulses_of(coarse.bodies, longer);
   solve(frozen_in_solve_.span(), {}, fewer, 1.0, cut, report);
-  contacts_.scale_impulses_of(far.bodies, 1.0 / longer);
+  contacts_.scale_impulses_of(coarse.bodies, 1.0 / longer);
 }
 
 }  // namespace tactus::physics

@@ -83,9 +83,9 @@ class World {
   std::span<const Aabb> fixed_bounds() const noexcept { return fixed_bounds_.span(); }  // by fixed slot
   // Filled by the pair finder, cleared by begin_step. After the step: all pairs whose bounds overlapped, by key.
   BoundedVector<SlotPair>& dynamic_pairs() noexcept { return dynamic_pairs_; }
-  // `far`: the coarse region; not in a world with border contacts; a body on a spring is never coarse.
+  // `coarse`: not in a world with border contacts; a body on a spring is never coarse.
   StepReport finish_step(const StepSettings& settings, const CutPredicate& cut = {},
-                         const CoarseRegion& far = {}) noexcept;
+                         const CoarseRegion& coarse = {}) noexcept;
 
   // Optional: triangles known to be near the bodies, valid until set again; they only save work.
   NearTriangles near_triangles;
@@ -158,8 +158,8 @@ class World {
                                 const StepSettings& settings) noexcept;
   void solve(std::span<const std::uint8_t> frozen, std::span<PoseSpring> springs, const StepSettings& settings,
              double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept;
-  void solve_far(const CoarseRegion& far, const StepSettings& settings, const CutPredicate& cut,
-                 StepReport& report) noexcept;
+  void solve_coarse(const CoarseRegion& coarse, const StepSettings& settings, const CutPredicate& cut,
+                    StepReport& report) noexcept;
   void move_body(std::uint32_t from, std::uint32_t to) noexcept;
   void follow_moves() noexcept;
 

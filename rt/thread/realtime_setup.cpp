@@ -239,4 +239,14 @@ bool kernel_is_preempt_rt() noexcept {
   return uname(&kernel) == 0 && std::strstr(kernel.version, "PREEMPT_RT") != nullptr;
 }
 
+std::vector<int> allowed_cpus() {
+  std::vector<int> cpus;
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof set, &set) != 0) return cpus;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu)
+    if (CPU_ISSET(static_cast<unsigned>(cpu), &set)) cpus.push_back(cpu);
+  return cpus;
+}
+
 }  // namespace tactus::loop

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "rt/base/bounded_vector.h"
 #include "rt/base/denormals.h"
@@ -81,6 +82,9 @@ SetupReport setup_realtime(const SetupRequest& request, CpuAwake& awake) noexcep
 bool has_capability(unsigned capability) noexcept;
 
 bool kernel_is_preempt_rt() noexcept;
+
+// Cores on which this process may run, ascending; empty: unknown. [setup]; allocates.
+std::vector<int> allowed_cpus();
 
 static_assert(std::is_trivially_copyable_v<SetupReport>);
 

@@ -196,24 +196,25 @@ bool holds_coordinate(const Joint& joint, const JointState& state) noexcept {
 // The inertia and momentum that a body (I, p) presents to its parent through a link of stiffness G. The body moves by
 // (I + G) v = p + G v_parent and acts on the parent with G (v - v_parent). With I + G = L L^T, Y = L^-1 G and
 // z = L^-1 p this is Y^T z - (G - Y^T Y) v_parent.
-struct Felt {
+struct SeriesResponse {
   Matrix6 inertia{};
   Vector6 momentum{};
 };
-Felt series_inertia(const Matrix6& constraint_stiffness, const Matrix6& inertia, const Vector6& momentum) noexcept {
+SeriesResponse series_inertia(const Matrix6& constraint_stiffness, const Matrix6& inertia,
+                              const Vector6& momentum) noexcept {
   Matrix6 both = constraint_stiffness, y = constraint_stiffness;
   add(both, inertia);
   if (!factorise(both)) return {};
   solve_lower(both, y);
   Vector6 z = momentum;
   solve_lower(both, z);
-  Felt felt{constraint_stiffness, {}};
+  SeriesResponse response{constraint_stiffness, {}};
   for (std::size_t k = 0; k < 6; ++k)
     for (std::size_t i = 0; i < 6; ++i) {
-      felt.momentum[i] += y[k][i] * z[k];
-      for (std::size_t j = 0; j < 6; ++j) felt.inertia[i][j] -= y[k][i] * y[k][j];
+      response.momentum[i] += y[k][i] * z[k];
+      for (std::size_t j = 0; j < 6; ++j) response.inertia[i][j] -= y[k][i] * y[k][j];
     }
-  return felt;
+  return response;
 }
 
 physics::Admittance invert(Matrix6 inertia) noexcept {
@@ -387,9 +388,9 @@ void ApparentInertia::collect(SlotIndex slot, std::span<const std::uint8_t> memb
     from.constraint_stiffness = constraint_stiffness_of(from.link, centre);
     add_other_parts(from, centre);
     Visited& to = visited_[from.parent];
-    const Felt felt = series_inertia(from.constraint_stiffness, from.inertia, from.momentum);
-    add(to.inertia, felt.inertia);
-    add(to.momentum, felt.momentum);
+    const SeriesResponse response = series_inertia(from.constraint_stiffness, from.inertia, from.momentum);
+    add(to.inertia, response.inertia);
+    add(to.momentum, response.momentum);
   }
 }
 

@@ -15,7 +15,7 @@
 
 namespace tactus::sim {
 
-// Two dynamic bodies that touch, by slot.
+// Two moving bodies that touch or that a joint connects, by body index.
 struct ContactEdge {
   BodyIndex a{}, b{};
   Vec3d point;         // m, world
@@ -24,8 +24,9 @@ struct ContactEdge {
 };
 
 // The pair's representative contact: mean of its points, weighted by their normal impulses over the step (unweighted if
-// all are 0), with the normal of the contact that presses hardest. `contacts`: of one pair of bodies, at least one.
-// `bodies`, `awake`: of the contacts' world, by slot; points move with body A.
+// all are 0), with the normal of the contact with the largest normal impulse. `contacts`: of one pair of bodies, at
+// least one. `bodies`: of the contacts' world, by slot; `awake`: the body index of each slot. The points are fixed to
+// body A.
 ContactEdge contact_edge_of(std::span<const physics::Contact> contacts, std::span<const physics::Body> bodies,
                             std::span<const BodyIndex> awake) noexcept;
 

@@ -120,7 +120,7 @@ void join_neighbours(MeshParts& mesh, MeshAccount& account) {
   }
 }
 
-// T-junctions: an open edge that is covered over its whole length by others, flat and within the slop, is not open.
+// T-junctions: an open edge is closed if other open edges cover its whole length, flat and within the slop.
 void join_along_edges(MeshParts& mesh, MeshAccount& account) {
   struct Open {
     std::uint32_t triangle, k;

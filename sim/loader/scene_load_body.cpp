@@ -39,8 +39,8 @@ double read_mass(text::TableReader& table, double volume_m3) {
   return 1;
 }
 
-// The moments of inertia in a body's table, about its centre of mass along the axes of its frame; empty where there are
-// none or they are no rigid body's.
+// The moments of inertia in a body's table [kg m^2], about its centre of mass, along the axes of its frame. Empty if
+// the table has none, or if no rigid body can have them, which is reported.
 std::optional<SymMat3d> read_inertia(text::TableReader& table) {
   const auto list = table.array("inertia_kg_m2", 6);
   if (!table.has("inertia_kg_m2")) return std::nullopt;

@@ -1,6 +1,7 @@
 #include "sim/model/step_settings.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rt/physics/contact/softness.h"
 #include "sim/model/scene_effects.h"
@@ -27,6 +28,10 @@ physics::StepSettings step_settings(const Scene& scene, double period_s, std::ui
   settings.contact_damping_ratio = scene.solver.contact_damping_ratio;
   choose_effects(scene, settings);
   return settings;
+}
+
+unsigned least_sub_steps(double contact_Hz, double period_s) {
+  return std::max(1u, static_cast<unsigned>(std::ceil(4.0 * contact_Hz * period_s - 1e-9)));
 }
 
 GlobalStep global_step(const Scene& scene, unsigned ratio, unsigned haptic_sub_steps, bool ghosts) {

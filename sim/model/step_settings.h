@@ -7,9 +7,13 @@
 
 namespace tactus::sim {
 
-// For steps of `period_s` [s] in `sub_steps` sub-steps; with more relax sweeps than the scene asks for where stacks
-// need them to come to rest (rt/physics/contact/softness.h).
+// Settings for steps of `period_s` [s] in `sub_steps` sub-steps. They have more relax sweeps than the scene gives if
+// stacks need them to come to rest (rt/physics/contact/softness.h).
 physics::StepSettings step_settings(const Scene& scene, double period_s, std::uint32_t sub_steps);
+
+// The smallest number of sub-steps of a tick of `period_s` [s] that resolves a contact frequency [Hz], which is at most
+// a quarter of the sub-step rate: max(1, ceil(4 f T)).
+unsigned least_sub_steps(double contact_Hz, double period_s);
 
 // Moving bodies of a scene up to which a global step with ghosts is as fine as the sub-world's ticks, and in double.
 inline constexpr std::size_t kMaxBodiesInFineSteps = 200;

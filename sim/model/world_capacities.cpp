@@ -11,8 +11,8 @@ namespace {
 using physics::Body;
 using physics::BodyKind;
 
-// A packed cube has 26 neighbours, 13 pairs to each body, and touches 6, 3 contacts to each body: room for 1.2 and 2.7
-// times that. A sub-world's members may be those with the most neighbours.
+// In a dense packing a cube has 26 neighbours (13 pairs per body) and touches 6 of them (3 contacts per body). The
+// capacities are 1.2 and 2.7 times that. A sub-world has more, because its members may have the most neighbours.
 constexpr std::uint32_t kPairsPerBody = 16;
 constexpr std::uint32_t kContactsPerBody = 8;
 constexpr std::uint32_t kContactsPerMember = 10;

@@ -231,7 +231,7 @@ TEST_CASE("With from_start, what does not move sleeps from the start but for wha
   CHECK(bench.world.is_asleep(far));
 }
 
-TEST_CASE("What is foreseen before the first step leaves sleepers and states as they were") {
+TEST_CASE("The prediction before the first step leaves sleepers and states as they were") {
   Builder builder;
   const BodyId first = builder.add_stack(0, 3);
   builder.add_feather({0, 0, 0.33}, 1.0);  // would wake them in the second step

@@ -14,7 +14,8 @@ struct Trace {
 
 Trace trace_of(sim::Scene scene, const session::RunOptions& options, std::uint64_t ticks) {
   auto session = make_session(std::move(scene), options);
-  // A budget so large that the governor changes nothing: its forecast would differ between the runs when bodies join.
+  // A budget so large that the governor changes nothing: its cost prediction would differ between the runs when bodies
+  // join.
   loop::GovernorConfig governor = session->governor->config();
   governor.budget = 1e6;
   *session->governor = loop::Governor(governor);

@@ -1,4 +1,4 @@
-// Where two boxes touch: by how they lie, with what the step before remembered of the pair and without.
+// Cost of finding the contact of two boxes, by their relative pose, with and without the axis cache of the last step.
 #include <benchmark/benchmark.h>
 
 #include "rt/base/denormals.h"

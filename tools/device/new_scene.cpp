@@ -9,7 +9,7 @@
 namespace tactus::device {
 namespace {
 
-// Below what the check allows: a description has more digits than the text of the scene.
+// Share of the suggested gains. The text of the scene has fewer digits than the description; rounded gains must pass.
 constexpr double kOfSuggested = 0.95;
 constexpr unsigned kContact_Hz = 250;     // or a quarter of the rate, which the usual sub-steps resolve
 constexpr double kPressed_N = 3;          // by the hand into the floor, or less where the device cannot for long

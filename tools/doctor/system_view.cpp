@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <linux/capability.h>
 #include <pwd.h>
-#include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -29,12 +28,9 @@ ProcessFacts facts_of_this_process() {
   facts.memlock_limit_B = hard_limit(RLIMIT_MEMLOCK);
   facts.may_set_priority = loop::has_capability(CAP_SYS_NICE);
   facts.may_lock_memory = loop::has_capability(CAP_IPC_LOCK);
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  if (sched_getaffinity(0, sizeof set, &set) == 0) {
-    facts.cpus_allowed = static_cast<std::uint32_t>(CPU_COUNT(&set));
-    for (int cpu = CPU_SETSIZE - 1; cpu >= 0 && facts.last_allowed_cpu < 0; --cpu)
-      if (CPU_ISSET(static_cast<unsigned>(cpu), &set)) facts.last_allowed_cpu = cpu;
+  if (const std::vector<int> allowed = loop::allowed_cpus(); !allowed.empty()) {
+    facts.cpus_allowed = static_cast<std::uint32_t>(allowed.size());
+    facts.last_allowed_cpu = allowed.back();
   }
   const passwd* user = getpwuid(geteuid());
   facts.user = user != nullptr ? user->pw_name : std::to_string(geteuid());

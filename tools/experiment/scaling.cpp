@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "rt/thread/realtime_setup.h"
 #include "sim/model/choice_names.h"
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
@@ -123,7 +124,7 @@ void run_counted(const ScalingCase& one, const EngineOptions& options) {
 
 ScalingReport run_scaling(const std::vector<ScalingCase>& cases, const EngineOptions& options,
                           const std::string& program, bool quick, const Progress& progress) {
-  const std::vector<int> cores = allowed_cores();
+  const std::vector<int> cores = loop::allowed_cpus();
   settle_on_core();
   ScalingReport report;
   const bool counts = !program.empty() && can_count_instructions();

@@ -16,16 +16,6 @@ double thread_time_us() noexcept {
 
 double wall_time_us() noexcept { return 1e-3 * static_cast<double>(MonotonicClock::now_ns()); }
 
-std::vector<int> allowed_cores() {
-  std::vector<int> cores;
-  cpu_set_t allowed;
-  CPU_ZERO(&allowed);
-  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return cores;
-  for (int core = 0; core < CPU_SETSIZE; ++core)
-    if (CPU_ISSET(static_cast<unsigned>(core), &allowed)) cores.push_back(core);
-  return cores;
-}
-
 void settle_on_core() noexcept {
   set_denormals_flush();
   const int core = sched_getcpu();

@@ -1,4 +1,4 @@
-// What an export writes to: one sink for each format, all fed by one walk through the tape.
+// Output of an export, one sink for each format. One pass over the tape writes to all of them.
 //
 // Thread: the exporting one. Bound: constant memory, whatever the tape's length, but for the index of an MCAP file,
 // about 100 bytes a megabyte. Units: SI. Frame: world for bodies, as in the columns' table for ticks.

@@ -30,12 +30,12 @@ class DeviceExchange {
   // Calls `tick` between read and write of each period; without `writes` the commands are left out.
   void run(unsigned periods, const Tick& tick = {}, bool writes = true);
   haptics::DeviceState want(haptics::DeviceState wanted, unsigned periods);
-  // Periods for which a command may be on its way, its answer, and the steps of a start.
+  // Periods within which a device must react to a command: both ways of the link, and the steps of its start.
   unsigned patience() const;
   void rearm();
-  // IDLE without fault; an empty line, or why not.
+  // Brings the device to IDLE without fault. Returns an empty line, or why it is not there.
   std::string settle();
-  // That samples do not come, and why.
+  // One line for a device whose samples are missing, with the reason if it is known.
   std::string silence() const;
 
   DeviceUnderTest& test;

@@ -21,7 +21,7 @@ constexpr double kQuiet_s = 2, kPush_s = 0.3;
 constexpr double kMinFresh = 0.999;  // share of the periods at rest
 constexpr unsigned kLongestGap = 2, kBrakePeriods = 12, kSilence = 30;
 
-// Name, what, needs; without a function: run_one knows them by name.
+// Name, what is checked, what the check needs. The functions are null: run_one calls each check by its name.
 constexpr Check kDeviceChecks[] = {
     {"identity", "the device that was opened", kNothing, nullptr},
     {"samples", "at rest: share of the periods with a new sample, longest gap", kNothing, nullptr},
@@ -159,7 +159,7 @@ void keep(Push& push, const haptics::DeviceSample& sample) {
   if (push.sample.device_fault == 0) push.sample = sample;
 }
 
-// All pushes in one exchange: a drive that hears nothing while a thread starts would end its force by itself.
+// All pushes are in one exchange: a drive that receives no command while a thread starts ends its force by itself.
 std::array<Push, 3> push_along_axes(DeviceExchange& x) {
   const auto push_periods = static_cast<unsigned>(kPush_s * x.test.options.rate_Hz);
   const unsigned rest = x.patience(), each = rest + push_periods;

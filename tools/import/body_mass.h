@@ -10,11 +10,11 @@
 
 namespace tactus::scene_import {
 
-// Takes the parts, whose poses are in the world, into the body. Its frame becomes that of its only part, or
-// `world_from_body` where it has several.
+// Gives the body its parts; their poses are in the world frame. The body's frame becomes the frame of its only part,
+// or `world_from_body` if it has several.
 void set_parts(std::vector<DraftPart> parts, const Posed& world_from_body, DraftBody& body);
 
-// `whole`: in the world; is_a_body. The parts are there.
+// Call after set_parts. `whole`: in the world frame, and is_a_body.
 void set_mass(const MassProperties& whole, DraftBody& body);
 
 }  // namespace tactus::scene_import

@@ -30,11 +30,11 @@ struct Session::Parts {
     Tick last;
     std::vector<Tick> history;    // size: history_ticks
     std::size_t history_size{0};  // used elements, from the front
-    // After so many ticks were written in turn: the newest that fit, in order.
+    // Orders the history after `written` ticks were written into it as a ring: the newest ones that fit, oldest first.
     void keep(std::uint64_t written);
   };
 
-  std::uint64_t opening{0};  // number of the open() in this program: whose a saved state is
+  std::uint64_t opening{0};  // number of the open() in this program; a saved state has the one of its session
   Scene scene;
   Options options;
   std::vector<session::RunOptions> run_options;  // by hand

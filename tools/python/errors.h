@@ -23,8 +23,8 @@ std::filesystem::path path_of(const pybind11::handle& value, const char* call);
 // Nothing on success.
 void raise_if(const Error& error);
 
-// A base for what Python may hold without its __init__, after Class.__new__(Class): its memory is then zero, so that
-// pointers are null, and a method raises by made().
+// Base of classes whose objects Python can make without __init__, by Class.__new__(Class). The memory of such an object
+// is zero, so its pointers are null, and each of its methods calls made(), which raises.
 class ZeroedByPython {
  public:
   static void* operator new(std::size_t bytes);

@@ -37,7 +37,7 @@ class HandInput {
     silent_ticks_ = 0;
     leading_ = wish->leads != 0;
     if (!leading_) return device.hold_hand();
-    if (wish->take != taken_ || !device.hand_is_led()) device.take_hand();
+    if (wish->take != taken_ || !device.hand_is_operated()) device.take_hand();
     taken_ = wish->take;
     const Quatd to_device = conjugate(world_from_device.rotation);
     device.lead_hand((1.0 / motion_scale) * rotate(to_device, wish->moved), rotate(to_device, wish->turned));

@@ -14,8 +14,12 @@ Result<hal::OpenedDevice> open(const RunOptions& options, const hal::DeviceProfi
                                const hal::FaultScript& faults) {
   const auto choice = hal::choose_device(options.device);
   if (!choice.ok()) return choice.status();
-  return choice.value().device_class->open(
-      {choice.value().address, profile, std::llround(options.period_s() * 1e9), hand, faults, options.seed});
+  return choice.value().device_class->open({.address = choice.value().address,
+                                            .profile = profile,
+                                            .period_ns = std::llround(options.period_s() * 1e9),
+                                            .hand = hand,
+                                            .faults = faults,
+                                            .seed = options.seed});
 }
 
 // Names the option, where the class has not.

@@ -1,7 +1,6 @@
 #include "tools/session/realtime_run.h"
 
 #include <fmt/format.h>
-#include <sched.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -28,13 +27,8 @@ constexpr std::size_t kMaxRefusals = 16;
 // For hand 0 the last core that this process may use, for the next hand the one before it; -1: unknown.
 int core_for(const RunOptions& options) {
   if (options.cpu >= 0) return options.cpu;
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  if (sched_getaffinity(0, sizeof(set), &set) != 0) return -1;
-  std::vector<int> allowed;
-  for (int cpu = CPU_SETSIZE - 1; cpu >= 0; --cpu)
-    if (CPU_ISSET(cpu, &set)) allowed.push_back(cpu);
-  return allowed.empty() ? -1 : allowed[options.hand % allowed.size()];
+  const std::vector<int> allowed = loop::allowed_cpus();
+  return allowed.empty() ? -1 : allowed[allowed.size() - 1 - options.hand % allowed.size()];
 }
 
 // Measures the cost model on the core and at the priority of the haptic thread.
@@ -133,7 +127,7 @@ class HandRun {
     summary.overruns_own_work = tick_.own_work;
     summary.overruns_interrupted = tick_.interrupted;
     summary.calibration = calibration_;
-    summary.forecast = tick_.forecast;
+    summary.cost_prediction = tick_.cost_prediction;
     summary.haptic_cpu = settings_.setup.cpu;
     summary.stolen_share = stolen_share(cpu_before_, cpu_time_now(settings_.setup.cpu));
     if (world != nullptr) summary.global_step = world->step_times();

@@ -23,7 +23,7 @@ bool RealtimeTick::operator()(const loop::TickTiming& timing) noexcept {
   const Driver& driver = *session_.driver;
   compute.record(account.compute_ns);
   device.record(account.device_ns);
-  forecast.add(driver.plan().predicted_ns, static_cast<double>(account.compute_ns));
+  cost_prediction.add(driver.plan().predicted_ns, static_cast<double>(account.compute_ns));
   if (account.overrun) count(*account.overrun);
   session_.count_tick();
   if (taps_.ticked != nullptr) taps_.ticked(taps_.context, driver);

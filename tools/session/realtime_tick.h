@@ -65,7 +65,7 @@ class RealtimeTick {
   void cut_at(std::uint32_t sweep) noexcept { tick_.cut_at(sweep); }
 
   Histogram compute, device;
-  loop::ForecastStats forecast;
+  loop::CostPredictionStats cost_prediction;
   std::uint64_t late_wake{0}, own_work{0}, interrupted{0};  // overruns by cause
 
  private:

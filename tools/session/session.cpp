@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <numeric>
 
@@ -42,16 +41,12 @@ unsigned members_of(const sim::Scene& scene, const RunOptions& options) {
   return options.accuracy == Accuracy::kAccurate ? std::min(2 * scene.members, haptics::kMaxMembers) : scene.members;
 }
 
-// The contact frequency must stay resolved: s >= 4 f T.
-unsigned least_sub_steps(const sim::Scene& scene, const RunOptions& options) {
-  return std::max(1u, static_cast<unsigned>(std::ceil(4.0 * scene.solver.contact_hertz * options.period_s() - 1e-9)));
-}
-
 // Of the haptic side.
 unsigned sub_steps_of(const sim::Scene& scene, const RunOptions& options) {
   const unsigned written = scene.solver.sub_steps;
   if (options.accuracy == Accuracy::kFast)
-    return std::min(written, std::max(written / 2, least_sub_steps(scene, options)));
+    return std::min(written,
+                    std::max(written / 2, sim::least_sub_steps(scene.solver.contact_hertz, options.period_s())));
   return options.accuracy == Accuracy::kAccurate ? 2 * written : written;
 }
 
@@ -212,7 +207,8 @@ Result<std::unique_ptr<Session>> Session::create_hand(sim::Scene scene_in, RunOp
   loop::GovernorConfig governor;
   governor.period_ns = options.period_s() * 1e9;
   governor.sub_steps = session->loop->config().sub_world.step.sub_steps;
-  governor.min_sub_steps = std::min(governor.sub_steps, least_sub_steps(scene, options));
+  governor.min_sub_steps =
+      std::min(governor.sub_steps, sim::least_sub_steps(scene.solver.contact_hertz, options.period_s()));
   governor.members = session->members;
   governor.min_members = std::min(governor.min_members, governor.members);
   session->governor = std::make_unique<loop::Governor>(governor);

@@ -45,7 +45,7 @@ hal::HandModel make_hand(const sim::Scene& scene);
 // For RunSummary::overlapped.
 std::string overlapped_of(const sim::Scene& scene, const physics::Overlap& overlap);
 
-// Who sees a run's records, besides the tape.
+// Receiver of a run's records, besides the tape.
 struct Shown {
   loop::RecordTap tap{};
   const std::atomic<std::uint32_t>* watchers{nullptr};  // 0: no body states are recorded

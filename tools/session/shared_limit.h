@@ -10,18 +10,18 @@
 // teleoperation: a tutorial"). shared_formula_limit is the formula of coupling_limits.h with the whole of K late by
 // delay_s + 1.5 r T: its line is (b + B) / (T/2 + t_d + 1.5 r T).
 //
-// It is a bound that is too strict, because the mass of the proxies takes part and the worlds extrapolate: in two
-// sub-worlds and a global world an oscillation grows from 1.6 to 13 times that stiffness on (m 0.3 kg, b 0.5 N s/m, B 2
-// to 10 N s/m, ratio 4 to 20, proxies of 0.05 to 0.4 kg, bodies of 0.01 to 0.5 kg, jointed to both, 2026-11-26;
-// squeezed between both not before that). So the limit is computed: two hands are simulated, by the loops' and the
-// world's own code, with a light body jointed to both, without arms, dry friction and passivity controllers, and the
-// limit is where an oscillation grows.
+// The bound is too strict: the proxies have mass and the worlds extrapolate. Measured (2026-11-26; m 0.3 kg, b 0.5 N
+// s/m, B 2 to 10 N s/m, ratio 4 to 20, proxies 0.05 to 0.4 kg, bodies 0.01 to 0.5 kg): with the body jointed to both
+// proxies, oscillations grow from 1.6 to 13 times this stiffness on; with the body squeezed between them, not below
+// that. So the limit is computed: two hands are simulated, by the loops' and the world's own code, with a light body
+// jointed to both proxies, without arms, dry friction and passivity controllers. The limit is the stiffness from which
+// on an oscillation grows.
 //
-// Above the limit nothing breaks: the border's tank and the passivity controllers
-// bound the energy of an oscillation, and the damping of the hands adds to b.
+// Above the limit nothing breaks: the border's tank and the passivity controllers bound the energy of an oscillation,
+// and the damping of the hands adds to b.
 //
-// Thread: normal, set-up; one simulation of
-// a second where the gains are stable, some ten where they are not. Units: SI.
+// Thread: normal, set-up; one simulation of a second where the gains are stable, some ten where they are not. Units:
+// SI.
 #pragma once
 
 #include "rt/haptics/device.h"

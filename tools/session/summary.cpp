@@ -44,7 +44,8 @@ std::string core_name(int cpu) { return cpu < 0 ? "all cores" : fmt::format("cor
 
 std::string timing_text(const RunSummary& s) {
   if (!s.real_time)
-    return "timing                 virtual time: no clock was read; a global step takes what its counts foresee\n";
+    return "timing                 virtual time: no clock was read; the time of a global step is predicted from its "
+           "counts\n";
   const auto& t = s.timing;
   std::string text = "timing\n";
   text += times_line("wake-up", t.wake_latency);
@@ -69,7 +70,7 @@ std::uint64_t ticks_with(const RunSummary& s, StatusBit bit) {
 }
 
 double ratio_percentile(const RunSummary& s, double percent) {
-  return 1e-3 * static_cast<double>(s.forecast.measured_permille.percentile_ns(percent));
+  return 1e-3 * static_cast<double>(s.cost_prediction.measured_permille.percentile_ns(percent));
 }
 
 // The governor's choices, and the error of its predicted tick times.
@@ -79,9 +80,10 @@ std::string governor_text(const RunSummary& s) {
                   "governor", ticks_with(s, kSubStepsReduced), ticks_with(s, kSolverCut), s.stats.restrained_cycles);
   if (s.real_time)
     text += fmt::format(
-        "  {:<22} foreseen p50 {:.1f}, p99 {:.1f} µs; taken / foreseen p50 {:.2f}, p99 {:.2f}; {:.2f} % above\n",
-        "cost model", us(s.forecast.predicted_ns.percentile_ns(50)), us(s.forecast.predicted_ns.percentile_ns(99)),
-        ratio_percentile(s, 50), ratio_percentile(s, 99), percent(s.forecast.above, s.stats.ticks));
+        "  {:<22} predicted p50 {:.1f}, p99 {:.1f} µs; measured / predicted p50 {:.2f}, p99 {:.2f}; {:.2f} % above\n",
+        "cost model", us(s.cost_prediction.predicted_ns.percentile_ns(50)),
+        us(s.cost_prediction.predicted_ns.percentile_ns(99)), ratio_percentile(s, 50), ratio_percentile(s, 99),
+        percent(s.cost_prediction.above, s.stats.ticks));
   return text;
 }
 
@@ -106,11 +108,11 @@ json governor_json(const RunSummary& s) {
                            {"synchronisation_ns", c.synchronisation},
                            {"per_border_contact_synchronised_ns", c.per_border_synchronised},
                            {"per_join_ns", c.per_join}};
-  object["predicted"] = times_json(s.forecast.predicted_ns);
+  object["predicted"] = times_json(s.cost_prediction.predicted_ns);
   object["measured_over_predicted"] = {{"p50", ratio_percentile(s, 50)},
                                        {"p99", ratio_percentile(s, 99)},
-                                       {"ticks_above", s.forecast.above},
-                                       {"percent_above", percent(s.forecast.above, s.stats.ticks)}};
+                                       {"ticks_above", s.cost_prediction.above},
+                                       {"percent_above", percent(s.cost_prediction.above, s.stats.ticks)}};
   return object;
 }
 

@@ -38,7 +38,7 @@ struct RunSummary {
   std::optional<double> stolen_share;  // of the haptic core, by the host; empty if not reported
   int haptic_cpu{-1};                  // -1: not pinned
   loop::Calibration calibration;
-  loop::ForecastStats forecast;
+  loop::CostPredictionStats cost_prediction;
 
   // With a global world.
   bool has_global{false};

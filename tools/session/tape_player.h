@@ -32,7 +32,7 @@ Result<std::unique_ptr<Session>> session_of(const OpenTape& tape);
 
 using OnDamage = std::function<void(const std::string& what, std::uint64_t lost_bytes)>;
 
-// The next record that can be read; `damage` is called for what cannot be before it. False: the end.
+// Reads the next undamaged record, and calls `damage` for damaged bytes before it. False: the tape ends.
 bool next_record(OpenTape& tape, loop::TapeRecord& record, const OnDamage& damage);
 
 struct TapeVisitor {

@@ -124,7 +124,7 @@ void add_energy(const RunSummary& s, std::vector<RunRuling>& rulings) {
        .degraded_above = 10,
        .bad_above = found_J > kMinBad_J ? 25 : kInfinite,
        .found = fmt::format("the bodies had {:.3g} J more than gravity and the hand explain, {:.0f} % of the {:.3g} J "
-                            "in play",
+                            "put in or moved",
                             found_J, shown, in_play_J),
        .remedy = "more --members or a lower --ratio: the border between the worlds makes it; more sub-steps where "
                  "there is no border"});

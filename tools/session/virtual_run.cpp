@@ -10,14 +10,14 @@ double global_step_ns(const sim::GlobalStatistics& last, std::uint32_t sub_steps
                                 .pairs = last.pairs,
                                 .contacts = last.contacts,
                                 .points = last.points,
-                                .searched = last.comparisons};
+                                .comparisons = last.comparisons};
   const sim::PredictionWork& tick = last.prediction;
   const loop::WorkCounts predicted{.bodies = tick.members,
                                    .pairs = tick.pairs,
                                    .contacts = tick.contacts,
                                    .points = tick.points,
                                    .border = tick.border,
-                                   .searched = tick.comparisons};
+                                   .comparisons = tick.comparisons};
   const double prediction_ns = tick.members == 0 ? 0 : ratio * predict_ns(loop::CostModel{}, predicted, tick.sub_steps);
   return predict_ns(loop::CostModel{}, counts, sub_steps) + prediction_ns;
 }

@@ -63,8 +63,9 @@ class VirtualRun {
   // The same with the bits of the first hand, whose output it returns.
   const loop::TickOutput& tick(std::uint32_t asked = 0);
 
-  // [setup] Everything that the following ticks depend on, a device of the caller's own apart: for restore() of the
-  // same run, or of one of the same scene and options, without a tape. Both copy the whole state, megabytes.
+  // [setup] save() returns the whole state on which the following ticks depend, except that of a device of the caller.
+  // restore() takes it into the same run, or into one of the same scene and options, that records no tape. Both copy
+  // some megabytes.
   struct Saved;
   std::shared_ptr<const Saved> save() const;
   void restore(const Saved& saved);

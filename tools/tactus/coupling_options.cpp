@@ -53,7 +53,9 @@ void add_coupling_options(CLI::App& command, CouplingOptions& options) {
   command
       .add_option(
           "--hands", options.hands,
-          "who moves the device in whole runs, separated by commas; default: closed,direct; with --quick: closed")
+          "source of the device's motion in whole runs, separated by commas: closed (the simulated arm in the loop),\n"
+          "direct (the motion recorded in the direct run), none (no device); default: closed,direct; with --quick: "
+          "closed")
       ->delimiter(',')
       ->check(CLI::IsMember({"closed", "direct", "none"}));
   command.add_option("--borders", options.borders, help::list_of("borders of the sub-world", "all that are compared"))

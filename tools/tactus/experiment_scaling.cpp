@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "rt/thread/realtime_setup.h"
 #include "sim/model/choice_names.h"
 #include "tools/experiment/timing.h"
 #include "tools/tactus/commands.h"
@@ -25,7 +26,7 @@ struct ScalingOptions {
 int run_scaling(const ScalingOptions& options) {
   experiment::EngineOptions engine;
   engine.precision = sim::parse_precision(options.precision);
-  const auto cases = experiment::scaling_cases(options.output.quick, experiment::allowed_cores().size());
+  const auto cases = experiment::scaling_cases(options.output.quick, loop::allowed_cpus().size());
   if (options.count >= 0) {
     const auto index = static_cast<std::size_t>(options.count);
     if (index >= cases.size()) return experiment_failed("scaling", "--count: no such case");

@@ -300,7 +300,7 @@ int run_hands(const HandsCommand& command) {
       print_figures(figures[hand].get());
     }
   }
-  // As of one hand: a service that was told to stop has done its work; its log has the faults.
+  // As with one hand: a service stopped on request exits with success; its log contains the faults.
   if (!command.config.empty() && g_stop.load(std::memory_order_relaxed)) return kExitGood;
   int exit_code = kExitGood;
   for (const session::RunSummary& summary : summaries.value()) exit_code = std::max(exit_code, summary.exit_code());

@@ -21,7 +21,7 @@ constexpr std::int64_t kNoise_ns = 5'000;
 // For a tick that met its deadline: the part that exceeds its typical value most.
 OverrunCause largest_part(const TickTimes& t, const Typical& typical) {
   const std::int64_t execution = t.wrote_ns - t.woke_ns, rest = execution - (t.computed_ns - t.read_ns);
-  const std::int64_t explained = std::min(t.cpu_ns, 2 * t.foreseen_ns + rest);
+  const std::int64_t explained = std::min(t.cpu_ns, 2 * t.predicted_ns + rest);
   const std::int64_t late = t.woke_ns - t.scheduled_ns - typical.wake_ns;
   const std::int64_t work = explained - typical.execution_ns;
   const std::int64_t unexplained = execution - std::max(explained, typical.execution_ns);
@@ -34,7 +34,7 @@ bool is_overrun(const TickTimes& t, std::int64_t period_ns) { return t.wrote_ns 
 OverrunCause first_answer(const TickTimes& t, std::int64_t period_ns, const Typical& typical) {
   if (!is_overrun(t, period_ns)) return largest_part(t, typical);
   return loop::classify_overrun(static_cast<double>(t.woke_ns - t.scheduled_ns), static_cast<double>(t.cpu_ns),
-                                static_cast<double>(t.foreseen_ns), static_cast<double>(period_ns));
+                                static_cast<double>(t.predicted_ns), static_cast<double>(period_ns));
 }
 
 std::string machine_evidence(const std::optional<MachineChange>& change) {
@@ -113,8 +113,8 @@ Attribution attribute(const TickTimes& t, std::int64_t period_ns, const Typical&
   const std::int64_t off_core_ns = std::max<std::int64_t>(0, execution_ns - t.cpu_ns);
   const auto noise = measured_noise(change);
   const std::string measured = noise ? noise->text : "";
-  const std::string took = fmt::format("took {:.0f} us, {:.0f} of them on its core, {:.0f} foreseen", us(execution_ns),
-                                       us(t.cpu_ns), us(t.foreseen_ns));
+  const std::string took = fmt::format("took {:.0f} us, {:.0f} of them on its core, {:.0f} predicted", us(execution_ns),
+                                       us(t.cpu_ns), us(t.predicted_ns));
   switch (first_answer(t, period_ns, typical)) {
     case OverrunCause::kOwnWork:
       return {is_overrun(t, period_ns) ? Cause::kOwnWork : Cause::kComputing,

@@ -15,6 +15,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "rt/thread/realtime_setup.h"
+
 namespace tactus::timing {
 namespace {
 
@@ -71,12 +73,9 @@ Result<LoadKind> parse_load(const std::string& word) {
 }
 
 std::vector<int> cores_without(int spare_cpu) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  std::vector<int> cpus;
-  if (sched_getaffinity(0, sizeof set, &set) != 0) return {0};
-  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu)
-    if (CPU_ISSET(static_cast<unsigned>(cpu), &set) && cpu != spare_cpu) cpus.push_back(cpu);
+  std::vector<int> cpus = loop::allowed_cpus();
+  if (cpus.empty()) return {0};
+  std::erase(cpus, spare_cpu);
   if (cpus.empty()) cpus.push_back(spare_cpu);
   return cpus;
 }
@@ -89,7 +88,7 @@ Status Load::start(LoadKind kind, int spare_cpu) {
   const std::vector<int> cpus = cores_without(spare_cpu);
   const pid_t parent = getpid();
   const std::size_t count = kind == LoadKind::kStressNg ? 1 : cpus.size();
-  // A child that is ended must not run this program's signal handlers, not even before it has reset them.
+  // A child that receives SIGTERM or SIGINT must not run this program's handlers, not even before it has reset them.
   sigset_t endings, before;
   sigemptyset(&endings);
   sigaddset(&endings, SIGTERM);

@@ -33,7 +33,7 @@ void add_tick(ordered_json& events, const loop::TickTimes& t, std::int64_t origi
   tick["args"] = {{"tick", t.tick},
                   {"woke_late_us", static_cast<double>(t.woke_ns - t.scheduled_ns) * 1e-3},
                   {"on_core_us", static_cast<double>(t.cpu_ns) * 1e-3},
-                  {"foreseen_us", static_cast<double>(t.foreseen_ns) * 1e-3},
+                  {"foreseen_us", static_cast<double>(t.predicted_ns) * 1e-3},
                   {"minor_faults", t.minor_faults},
                   {"involuntary_switches", t.involuntary_switches},
                   {"members", t.members},

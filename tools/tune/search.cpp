@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <functional>
 
+#include "sim/model/step_settings.h"
+
 namespace tactus::tune {
 namespace {
 
@@ -51,7 +53,7 @@ std::vector<SettingStep> changes_up(const Setting& s, const Limits& limits) {
 std::vector<SettingStep> changes_down(const Setting& s, const Limits& limits) {
   std::vector<SettingStep> changes;
   const unsigned sub_steps = std::min(std::max(1u, s.sub_steps / 2), limits.sub_steps);
-  if (sub_steps >= experiment::least_sub_steps(s.contact_Hz))
+  if (sub_steps >= sim::least_sub_steps(s.contact_Hz, 1 / experiment::kHapticRate_Hz))
     add(changes, "sub-steps", s, &Setting::sub_steps, sub_steps);
   if (s.relax_sweeps > 1) add(changes, "relax sweeps", s, &Setting::relax_sweeps, 1u);
   add(changes, "members", s, &Setting::members, std::min({std::max(1u, s.members / 2), limits.members, limits.bodies}));
@@ -62,7 +64,7 @@ std::vector<SettingStep> changes_down(const Setting& s, const Limits& limits) {
 
 std::vector<SettingStep> changes_stiffer(const Setting& s) {
   std::vector<SettingStep> changes;
-  if (s.sub_steps >= experiment::least_sub_steps(2 * s.contact_Hz))
+  if (s.sub_steps >= sim::least_sub_steps(2 * s.contact_Hz, 1 / experiment::kHapticRate_Hz))
     add(changes, "contact frequency [Hz]", s, &Setting::contact_Hz, 2 * s.contact_Hz);
   return changes;
 }

@@ -1,4 +1,4 @@
-// Hard cases of the border: the study's row of bodies with a hand of prescribed motion, and friction at one contact.
+// Hard cases of the border: a row of bodies with a hand of prescribed motion, and friction at one contact.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace tactus::hard_cases {
 namespace {
 
-// --- 33: the study's row (section 4.3): 24 bodies of 0.1 m, the proxy of 0.2 kg the first, of which 8 are members
+// --- 33: a row of 24 bodies of 0.1 m, of which 8 are members; the first is the proxy, of 0.2 kg
 
 constexpr unsigned kBodies = 24, kMembers = 8, kRatio = 8;
 constexpr std::size_t kRowTicks = 2000;

@@ -50,9 +50,10 @@ void add_hole(CaseWorld& world, double mouth, double friction) {
   }
 }
 
-// How far a peg slides in a second, kSlides_m at most, when a force presses at the rim of its section, a moment having
-// tilted it against mouth and wall before. Both contacts press with N = M / depth, M = F d / 2, and friction carries F
-// while F <= 2 mu N: it wedges at depths up to mu d (Whitney 1982, two-point contact).
+// Returns how far a peg slides into the hole in a second [m], kSlides_m at most. A moment M first tilts the peg against
+// mouth and wall; then a force F presses at the rim of its section. Each contact has the normal force N = M / depth,
+// M = F d / 2, and friction carries F while F <= 2 mu N: the peg wedges at depths up to mu d (Whitney 1982, two-point
+// contact).
 double slides_at_depth(double depth, double friction, const Setting& setting, Outcome& outcome) {
   const double force = 10, moment = 0.5 * kPegSide_m * force;
   CaseWorld world(setting);
@@ -177,11 +178,11 @@ Outcome between_blocks(const Setting& setting) {
 
 // --- the coupling at its limit: a device of 0.3 kg with 0.5 N s/m on a proxy that does not move
 
-// The study's stability line is for a loop that holds the sample for the whole tick. The product's loop extrapolates
+// haptics::little_damping_limit is for a loop that holds the sample for the whole tick. The product's loop extrapolates
 // the target at the sample's velocity during the tick, so it becomes unstable only at a higher stiffness.
 struct DeviceLoop {
   unsigned delay_ticks;  // transport, beyond the sample-and-hold
-  bool held;             // the study's
+  bool held;             // the sample, for the whole tick
   double damping_Ns_per_m;
 };
 
@@ -284,8 +285,8 @@ Outcome coupling_limit(const Setting& setting) {
       haptics::AxisLimits axis = haptics::translation_of(device, setting.step_s);
       const double accepted = haptics::kAllowedStiffnessShare * haptics::uncoupled_stiffness_limit(axis, damping);
       if (!held) axis.lead_s = lead_s(setting);
-      const double limit = held ? haptics::little_damping_limit(axis, damping)  // the study's line
-                                : haptics::uncoupled_stiffness_limit(axis, damping);
+      const double limit =
+          held ? haptics::little_damping_limit(axis, damping) : haptics::uncoupled_stiffness_limit(axis, damping);
       const double rings_at = where_it_rings(loop, limit, setting, outcome);
       outcome.relative("rings from, N/m: " + of, rings_at, limit, 0.15);
       const DeviceOnSpring below = push_device(loop, 0.9 * limit, false, setting, outcome, 10);

@@ -56,8 +56,7 @@ class StackWorld : public CaseWorld {
   StackSpec spec_;
 };
 
-// The stack sinks by the overlap expected from its loads and stays there for a minute. The study's stack of forty
-// settles in 0.2 s.
+// The stack sinks by the overlap expected from its loads within a second, and stays there for a minute.
 Outcome equal_cubes(unsigned count, const Setting& setting) {
   StackWorld world(equal_stack(count), setting);
   world.run(1);

@@ -18,7 +18,7 @@ inline constexpr std::size_t kLongestMessage = 256;
 inline constexpr std::uint32_t kMaxMessages = 250;  // a second
 
 struct PageMessage {
-  std::uint32_t acknowledged{0};  // 0: it asks
+  std::uint32_t acknowledged{0};  // 0: the message is a request
   std::string ask;  // disarm, stop, reset, arm, rearm; play, pause, tick, cycle, back, seek, pace; take, rest
   std::optional<std::array<double, 6>> hand{};  // m, rad: target of the hand, relative to where it was taken
   double value{0};                              // seek: s of the tape; pace: times real time, 0 as fast as it goes

@@ -294,8 +294,8 @@ void SubWorld::step_on_planes(const DeviceTarget& target, SubWorldStep& result) 
 // Applies the explicit coupling wrench of a proxy that no world simulates here.
 void SubWorld::feel_proxy(const DeviceTarget& target, SubWorldStep& result) noexcept {
   const Wrenchd on_proxy = coupling_wrench(config_.gains, target, proxy_);
-  add_cycle_impulse({config_.step.dt * on_proxy.force, config_.step.dt * on_proxy.torque});
-  result.on_device = {-on_proxy.force, -on_proxy.torque};
+  add_cycle_impulse(config_.step.dt * on_proxy);
+  result.on_device = -1.0 * on_proxy;
 }
 
 // Zero before the first tick of a cycle.

@@ -32,7 +32,8 @@ inline double fall_in_step(const StepSettings& settings) noexcept {
          settings.dt;
 }
 
-// Upper bound of the decrease of two bodies' distance in a step [m], of which `advance` by the centres' velocities.
+// Upper bound of the decrease of two bodies' distance in a step [m]. `advance`: the part that the centres' velocities
+// cause [m].
 // Gravity counts once: two bodies fall together, or one of them is supported.
 inline double closing_with(double advance, const MotionBound& a, const MotionBound& b,
                            const StepSettings& settings) noexcept {

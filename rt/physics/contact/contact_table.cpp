@@ -229,7 +229,7 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   };
   if (manifold.count == 0) return set_apart();
   const bool with_fixed = pair.key.with_fixed();
-  // The search was for what the bodies may close in any direction; now the direction is known.
+  // The margin of the search covers motion in any direction. Now the normal is known: only motion along it counts.
   const MotionBound& bound_b = with_fixed ? kStill : walk.scene.motion_bounds[pair.b];
   const double closing = closing_along(manifold.normal, walk.scene.motion_bounds[pair.a], bound_b, walk.settings);
   const double margin = std::min(search.query.margin, margin_for(pair.patch.count > 0, closing, walk.settings));

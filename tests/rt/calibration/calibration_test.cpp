@@ -37,7 +37,7 @@ WorkCounts heap(std::uint32_t bodies) {
   counts.pairs = 6 * bodies;
   counts.contacts = 3 * bodies;
   counts.points = 9 * bodies;
-  counts.searched = 2 * bodies;
+  counts.comparisons = 2 * bodies;
   counts.border = bodies;
   counts.synchronises = true;
   counts.joins = 2;
@@ -55,15 +55,15 @@ TEST_CASE("the calibration's worlds differ by the work that each is for") {
   // Rows: each has its two neighbours as pairs.
   for (const Run run : {Run::kApart, Run::kBalls, Run::kCarried, Run::kSearched}) CHECK(counts_of(run).pairs == n - 1);
   CHECK(counts_of(Run::kApart).contacts == 0);
-  CHECK(counts_of(Run::kApart).searched == 0);
+  CHECK(counts_of(Run::kApart).comparisons == 0);
   CHECK(counts_of(Run::kBalls).contacts == n - 1);
   CHECK(counts_of(Run::kBalls).points == n - 1);
   for (const Run run : {Run::kCarried, Run::kSearched}) {
     CHECK(counts_of(run).contacts == n - 1);
     CHECK(counts_of(run).points == 4 * (n - 1));
   }
-  CHECK(counts_of(Run::kCarried).searched == 0);
-  CHECK(counts_of(Run::kSearched).searched == n - 1);
+  CHECK(counts_of(Run::kCarried).comparisons == 0);
+  CHECK(counts_of(Run::kSearched).comparisons == n - 1);
   CHECK(counts_of(Run::kBordered).border == 2 * n);
   CHECK(counts_of(Run::kBordered).contacts == 0);
   CHECK(counts_of(Run::kSynchronising).synchronises);

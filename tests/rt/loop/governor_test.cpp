@@ -33,7 +33,7 @@ CostModel decimal_cost() {
 WorkCounts heap(std::uint32_t bodies) {
   WorkCounts counts;
   counts.bodies = bodies;
-  counts.pairs = counts.searched = 6 * bodies;
+  counts.pairs = counts.comparisons = 6 * bodies;
   counts.contacts = 3 * bodies;
   counts.points = 12 * bodies;
   counts.border = bodies;
@@ -61,7 +61,7 @@ TEST_CASE("the prediction counts every unit of work once, and sub-steps where th
   counts.contacts = 3;
   counts.points = 4;
   counts.border = 5;
-  counts.searched = 6;
+  counts.comparisons = 6;
   const double without = 1 + 10 + 2 * 100 + 3 * 1e3 + 5 * 1e10 + 6 * 1e11 + 3 * (4 * 1e4 + 1e5 + 5 * 1e6 + 3 * 1e9);
   CHECK(predict_ns(cost, counts, 3) == without);
   counts.synchronises = true;
@@ -100,7 +100,7 @@ TEST_CASE("sub-steps fall with the counts, stay within their bounds, and are the
       counts.points += more();
       counts.border += more();
       counts.joins += more() / 10;
-      counts.searched = counts.pairs;
+      counts.comparisons = counts.pairs;
       const TickPlan plan = governor.plan(counts);
       REQUIRE(plan.sub_steps <= before);
       REQUIRE(plan.sub_steps >= config.min_sub_steps);
@@ -129,7 +129,7 @@ TEST_CASE("after a burst of searches the next ticks are planned for some, and th
   Governor governor(make_config());
   const WorkCounts burst = heap(20);
   WorkCounts calm = burst;
-  calm.searched = 0;
+  calm.comparisons = 0;
   const double at_rest_ns = governor.plan(calm).predicted_ns, in_burst_ns = governor.plan(burst).predicted_ns;
   REQUIRE(at_rest_ns < in_burst_ns);
   double before_ns = in_burst_ns;
@@ -146,19 +146,19 @@ TEST_CASE("shapes that are dearer than boxes are planned for, and not forgotten 
   Governor governor(make_config());
   WorkCounts boxes = heap(4);
   WorkCounts hulls = boxes;
-  hulls.searched = 9 * boxes.pairs;  // of 64 vertices
+  hulls.comparisons = 9 * boxes.pairs;  // of 64 vertices
   const double dearer_ns = governor.config().cost.per_search * 8 * boxes.pairs;
   const double boxes_ns = governor.plan(boxes).predicted_ns;
   CHECK(governor.plan(hulls).predicted_ns == Approx(boxes_ns + dearer_ns));
-  CHECK(with_all_searched(hulls).searched == hulls.searched);
-  CHECK(with_all_searched(boxes).searched == boxes.pairs);
+  CHECK(with_all_compared(hulls).comparisons == hulls.comparisons);
+  CHECK(with_all_compared(boxes).comparisons == boxes.pairs);
 }
 
 TEST_CASE("the member budget is that of a sub-world in which nothing is carried over") {
   GovernorConfig config = make_config();
   config.members = 256;
   WorkCounts calm = heap(256);
-  calm.searched = 0;
+  calm.comparisons = 0;
   Governor resting(config), moving(config);
   CHECK(resting.member_budget(calm) == moving.member_budget(heap(256)));
 }

@@ -178,16 +178,16 @@ TEST_CASE("an overrun's cause: late wake-up, own work, or the machine") {
   }
 }
 
-TEST_CASE("forecasts are counted against what the ticks took") {
-  ForecastStats forecast;
-  for (int i = 0; i < 90; ++i) forecast.add(100'000, 80'000);
-  for (int i = 0; i < 10; ++i) forecast.add(200'000, 300'000);
-  CHECK(forecast.above == 10);
+TEST_CASE("cost predictions are counted against what the ticks took") {
+  CostPredictionStats cost_prediction;
+  for (int i = 0; i < 90; ++i) cost_prediction.add(100'000, 80'000);
+  for (int i = 0; i < 10; ++i) cost_prediction.add(200'000, 300'000);
+  CHECK(cost_prediction.above == 10);
   // The histogram's buckets are a sixty-fourth wide at most.
-  CHECK(static_cast<double>(forecast.predicted_ns.percentile_ns(50)) == Approx(100'000).epsilon(1.0 / 64));
-  CHECK(static_cast<double>(forecast.predicted_ns.percentile_ns(99)) == Approx(200'000).epsilon(1.0 / 64));
-  CHECK(static_cast<double>(forecast.measured_permille.percentile_ns(50)) == Approx(800).epsilon(1.0 / 64));
-  CHECK(static_cast<double>(forecast.measured_permille.percentile_ns(99)) == Approx(1500).epsilon(1.0 / 64));
-  forecast.add(0, 10);  // a model that foresees nothing is no division by zero
-  CHECK(forecast.above == 11);
+  CHECK(static_cast<double>(cost_prediction.predicted_ns.percentile_ns(50)) == Approx(100'000).epsilon(1.0 / 64));
+  CHECK(static_cast<double>(cost_prediction.predicted_ns.percentile_ns(99)) == Approx(200'000).epsilon(1.0 / 64));
+  CHECK(static_cast<double>(cost_prediction.measured_permille.percentile_ns(50)) == Approx(800).epsilon(1.0 / 64));
+  CHECK(static_cast<double>(cost_prediction.measured_permille.percentile_ns(99)) == Approx(1500).epsilon(1.0 / 64));
+  cost_prediction.add(0, 10);  // a model that predicts nothing is no division by zero
+  CHECK(cost_prediction.above == 11);
 }

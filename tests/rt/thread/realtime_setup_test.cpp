@@ -10,11 +10,13 @@
 #include <unistd.h>
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/support/rt_guard.h"
 #include "tests/support/skip.h"
@@ -289,6 +291,16 @@ TEST_CASE("a capability is had exactly if the kernel lists it as effective", "[l
     CAPTURE(capability);
     CHECK(has_capability(capability) == ((effective >> capability & 1u) != 0));
   }
+}
+
+TEST_CASE("the allowed CPUs are those that the scheduler may choose from, ascending") {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  REQUIRE(sched_getaffinity(0, sizeof set, &set) == 0);
+  const std::vector<int> cpus = allowed_cpus();
+  CHECK(cpus.size() == static_cast<std::size_t>(CPU_COUNT(&set)));
+  CHECK(std::is_sorted(cpus.begin(), cpus.end()));
+  for (const int cpu : cpus) CHECK(CPU_ISSET(static_cast<unsigned>(cpu), &set));
 }
 
 TEST_CASE("no capability is left without root's rights", "[loop]") {

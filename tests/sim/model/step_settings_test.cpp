@@ -52,3 +52,14 @@ TEST_CASE("a step has the relax sweeps that stacks need to come to rest, whateve
   scene.solver.relax_sweeps = 3;
   CHECK(step_settings(scene, 1e-3, 4).relax_sweeps == 3);
 }
+
+TEST_CASE("a contact frequency is resolved from four sub-steps a period on") {
+  CHECK(least_sub_steps(1, 1e-3) == 1);
+  CHECK(least_sub_steps(250, 1e-3) == 1);
+  CHECK(least_sub_steps(251, 1e-3) == 2);
+  for (const double rate_Hz : {300.0, 1000.0, 4000.0})
+    for (const unsigned sub_steps : {1u, 3u, 7u, 16u}) {  // at the limit, whatever 1 / rate rounds to
+      CHECK(least_sub_steps(0.25 * sub_steps * rate_Hz, 1 / rate_Hz) == sub_steps);
+      CHECK(least_sub_steps(0.2501 * sub_steps * rate_Hz, 1 / rate_Hz) == sub_steps + 1);
+    }
+}

@@ -21,10 +21,10 @@ MachineChange quiet() { return {20'000'000, InterruptCounts{20, 0, 0}, 0, 0}; }
 TEST_CASE("a tick whose counts foresaw the time that it took is own work") {
   auto t = delayed_in_solve(1, 1'200'000);
   t.cpu_ns += 1'200'000;
-  t.foreseen_ns = 1'300'000;
+  t.predicted_ns = 1'300'000;
   const auto a = attribute(t, kPeriod_ns, kUsual, quiet());
   CHECK(a.cause == Cause::kOwnWork);
-  CHECK_THAT(a.evidence, Contains("1415 of them on its core, 1300 foreseen") && Contains("40 members"));
+  CHECK_THAT(a.evidence, Contains("1415 of them on its core, 1300 predicted") && Contains("40 members"));
 }
 
 TEST_CASE("a tick that began late is a late wake-up, with what the machine did then") {
@@ -106,12 +106,12 @@ TEST_CASE("a late tick that met its deadline has the cause of the part that grew
   CHECK(attribute(woken_late(1, 200'000), kPeriod_ns, kUsual, quiet()).cause == Cause::kLateWake);
   auto work = delayed_in_solve(1, 200'000);
   work.cpu_ns += 200'000;
-  work.foreseen_ns = 390'000;
+  work.predicted_ns = 390'000;
   CHECK(attribute(work, kPeriod_ns, kUsual, quiet()).cause ==
         Cause::kComputing);  // kOwnWork is reported for overruns only
   // On its core all the time, as it seems; but 2 x 90 us are the most that its counts explain.
   auto unexplained = delayed_in_solve(1, 500'000);
   unexplained.cpu_ns += 500'000;
-  unexplained.foreseen_ns = 90'000;
+  unexplained.predicted_ns = 90'000;
   CHECK(attribute(unexplained, kPeriod_ns, kUsual, quiet()).cause == Cause::kMachine);
 }

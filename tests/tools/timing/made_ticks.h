@@ -21,7 +21,7 @@ inline loop::TickTimes usual_tick(std::uint64_t number) {
   t.computed_ns = t.stepped_ns + 4'000;
   t.wrote_ns = t.stepped_ns + 20'000;
   t.cpu_ns = t.wrote_ns - t.woke_ns;
-  t.foreseen_ns = 200'000;
+  t.predicted_ns = 200'000;
   t.members = 40;
   t.contacts = 100;
   t.points = 400;

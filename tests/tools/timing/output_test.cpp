@@ -102,7 +102,7 @@ TEST_CASE("of the latest ticks each says whether it was an overrun, and only tho
   TimingResult r = made_result();
   auto heavy = delayed_in_solve(500, 500'000);
   heavy.cpu_ns += 500'000;
-  heavy.foreseen_ns = 700'000;
+  heavy.predicted_ns = 700'000;
   r.statistics.add_loop(heavy);
   r.statistics.finish();
   CHECK_THAT(to_text(r),

@@ -114,7 +114,7 @@ TEST_CASE("the verdict separates the program's limits from the machine's") {
   TickStatistics own = good;
   auto work = delayed_in_solve(1000, 1'200'000);
   work.cpu_ns += 1'200'000;
-  work.foreseen_ns = 1'300'000;
+  work.predicted_ns = 1'300'000;
   own.add_loop(work);
   own.finish();
   CHECK(row(judge(own), "ticks lost to own work").measured == 1);

@@ -9,6 +9,7 @@
 #include "rt/base/denormals.h"
 #include "rt/loop/governor.h"
 #include "sim/model/choice_names.h"
+#include "sim/model/step_settings.h"
 #include "tools/experiment/instructions.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
@@ -59,7 +60,7 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
           {.factor = factor, .from = fmt::format("{}", from), .to = fmt::format("{}", to), .setting = changed});
   };
   for (const unsigned n : {2u, 4u, 8u, 16u})
-    if (n >= least_sub_steps(base.contact_Hz))
+    if (n >= sim::least_sub_steps(base.contact_Hz, 1 / kHapticRate_Hz))
       add("sub-steps", base.sub_steps, n, [n](Setting& s) { s.sub_steps = n; });
   for (const unsigned n : {1u, 2u})
     add("relax sweeps", base.relax_sweeps, n, [n](Setting& s) {
@@ -70,7 +71,7 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
     add("friction in sweeps", sim::name_of(base.friction), sim::name_of(sweeps),
         [sweeps](Setting& s) { s.friction = sweeps; });
   for (const double hertz : {250.0, 500.0, 1000.0})
-    if (base.sub_steps >= least_sub_steps(hertz))
+    if (base.sub_steps >= sim::least_sub_steps(hertz, 1 / kHapticRate_Hz))
       add("contact frequency [Hz]", base.contact_Hz, hertz, [hertz](Setting& s) { s.contact_Hz = hertz; });
   for (const unsigned n : {base.members / 2, base.members * 2, base.members * 4})
     if (n > 0 && n / 2 < bodies) add("members", base.members, n, [n](Setting& s) { s.members = n; });
@@ -263,7 +264,8 @@ std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, boo
       for (const unsigned cap : {members / 2, members, 2 * members})
         for (const unsigned ratio : {4u, 8u, 16u})
           for (const Scheme& of_border : std::span(borders).first(2)) {
-            if (sub_steps < least_sub_steps(base.contact_Hz) || cap == 0 || cap / 2 >= bodies) continue;
+            if (sub_steps < sim::least_sub_steps(base.contact_Hz, 1 / kHapticRate_Hz) || cap == 0 || cap / 2 >= bodies)
+              continue;
             Setting setting = base;
             setting.sub_steps = sub_steps;
             setting.relax_sweeps = relax_sweeps;

@@ -69,8 +69,8 @@ void CoupledWorlds::start_from(const WorldKeyframe& before, const WorldKeyframe&
 }
 
 // Target of a device that moves with the proxy and exerts this wrench.
-haptics::DeviceTarget CoupledWorlds::device_that_holds(const WorldKeyframe& moment, const Wrenchd& on_proxy) const {
-  for (const auto& body : moment.bodies) {
+haptics::DeviceTarget CoupledWorlds::device_that_holds(const WorldKeyframe& at, const Wrenchd& on_proxy) const {
+  for (const auto& body : at.bodies) {
     if (body.id != config_.proxy) continue;
     const auto& [pose, velocity] = body.motion;
     const Vec3d stretch = on_proxy.force * (1 / config_.gains.stiffness_N_per_m);
@@ -175,20 +175,20 @@ double CoupledWorlds::held_by_border_J() const noexcept {
                            sub_world_->corrected_J());
 }
 
-WorldKeyframe CoupledWorlds::moment(std::uint64_t tick, bool every_bit) const {
-  WorldKeyframe moment;
-  moment.tick = tick;
+WorldKeyframe CoupledWorlds::keyframe(std::uint64_t tick, bool every_bit) const {
+  WorldKeyframe keyframe;
+  keyframe.tick = tick;
   const auto& world = sub_world_->world();
-  moment.bodies.assign(world.bodies().begin(), world.bodies().end());
+  keyframe.bodies.assign(world.bodies().begin(), world.bodies().end());
   const double sub_step_s = config_.step.dt / config_.step.sub_steps;
   for (const auto& contact : world.contacts())
-    moment.contacts.push_back(physics::World::warm_start_of(contact, sub_step_s));
-  if (!every_bit) return moment;
-  moment.state.resize(sub_world_->save_size_bound());
-  ByteWriter out(moment.state);
+    keyframe.contacts.push_back(physics::World::warm_start_of(contact, sub_step_s));
+  if (!every_bit) return keyframe;
+  keyframe.state.resize(sub_world_->save_size_bound());
+  ByteWriter out(keyframe.state);
   sub_world_->save(out);
-  moment.state.resize(out.size());
-  return moment;
+  keyframe.state.resize(out.size());
+  return keyframe;
 }
 
 TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target) {

@@ -55,13 +55,13 @@ class CoupledWorlds {
   bool at_synchronisation() const noexcept;
   EnergySample motion() const noexcept;                // at a synchronisation
   void bodies(std::vector<physics::Body>& all) const;  // that move, by id; at a synchronisation
-  // Energy [J] at a synchronisation: of the springs of contacts and joints (sim/energy_balance.h); and what the border
-  // has taken from bodies and not yet given to others. That is 0 if it has given more than it had taken, and for
-  // borders without a tank, whose work in the global world is not counted.
+  // Energy of the springs of contacts and joints at a synchronisation [J] (sim/energy_balance.h).
   double springs_J() const noexcept;
+  // Energy that the border has taken from bodies and not yet returned, at a synchronisation [J]; 0 if it returned more,
+  // and for borders without a tank.
   double held_by_border_J() const noexcept;
-  WorldKeyframe moment(std::uint64_t tick,
-                       bool every_bit) const;  // of the direct coupling; without every bit: no `state`
+  WorldKeyframe keyframe(std::uint64_t tick,
+                         bool every_bit) const;  // of the direct coupling; without every bit: no `state`
 
   const haptics::SubWorld& sub_world() const noexcept { return *sub_world_; }
   const sim::GlobalWorld* global() const noexcept { return global_.get(); }
@@ -71,7 +71,7 @@ class CoupledWorlds {
  private:
   bool exchanges() const noexcept { return global_ != nullptr; }
   void shift_proxy(const WorldKeyframe& now, const Vec3d& shift);
-  haptics::DeviceTarget device_that_holds(const WorldKeyframe& moment, const Wrenchd& on_proxy) const;
+  haptics::DeviceTarget device_that_holds(const WorldKeyframe& at, const Wrenchd& on_proxy) const;
 
   bool haptic_side_moves(BodyId member) const noexcept;
 

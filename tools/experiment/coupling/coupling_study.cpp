@@ -264,7 +264,7 @@ HandInLoop SceneStudy::close_loop(const Scheme& scheme) const {
   return loop;
 }
 
-// The same run, with poses and energy of all bodies compared with the direct run's (whole_run.h).
+// Repeats the runs and compares poses and energy of all bodies with the direct run's (whole_run.h).
 Status SceneStudy::judge_poses() {
   scene_.coupling = own_gains_;
   WholeRunRequest whole;

@@ -54,7 +54,7 @@ struct StudyRow {
   haptics::CouplingGains gains;                    // world units; also used by the direct run that it is compared with
   bool lowered{false};                             // less stiff than the scene's
   Deviation energy, worst_instant, speed_squared;  // L1, L2, L3, over the windows in which the hand moves
-  bool at_rest{false};                             // L1 and L2 are shares of the energy at play, see energy_measures.h
+  bool at_rest{false};                             // L1, L2: shares of the reference energy (energy_measures.h)
   double force_error{0};                           // RMS(F - F_direct) / RMS(F_direct), over all windows
   double force_error_hold{0}, force_error_moving{0};
   double force_error_worst{0};         // of the windows

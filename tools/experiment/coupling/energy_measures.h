@@ -5,8 +5,8 @@
 //   L2 = max (E_ref - E) / max E_ref      the worst instant
 //   L3 = 1 - sum |v|^2 / sum |v_ref|^2    speeds alone
 //
-// A scene at rest has no kinetic energy to compare with; there L1 and L2 are shares of the energy at play, which is
-// E_ref plus the energy of the coupling's spring. Loss and gain are summed separately over windows, so that a gain in
+// A scene at rest has no kinetic energy to compare with; there L1 and L2 are shares of the reference energy: E_ref plus
+// the energy of the coupling's spring. Loss and gain are summed separately over windows, so that a gain in
 // one window cannot hide a loss in another. The sums weight each window by its energy. Thread: [any].
 #pragma once
 

@@ -34,9 +34,9 @@ ReferenceRun record_reference(CoupledWorlds& worlds, ScriptedArm& arm, std::size
   for (std::size_t k = 0; k < ticks; ++k) {
     if (k > 0) arm.advance(run.on_device.back());
     for (Window& window : run.windows) {
-      if (k == window.start) window.now = worlds.moment(k, true);
+      if (k == window.start) window.now = worlds.keyframe(k, true);
       for (std::size_t i = 0; i < ratios.size(); ++i)
-        if (k + ratios[i] == window.start) window.before[i] = worlds.moment(k, false);
+        if (k + ratios[i] == window.start) window.before[i] = worlds.keyframe(k, false);
     }
     run.motion.push_back(worlds.motion());
     run.ideal.push_back(arm.ideal());

@@ -1,8 +1,8 @@
 #include "tools/experiment/coupling/setting_cost.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "sim/model/step_settings.h"
 #include "tools/session/session.h"
 
 namespace tactus::experiment {
@@ -42,17 +42,13 @@ void SettingSums::add(const SettingSums& other) {
   append(global_us, other.global_us);
 }
 
-unsigned least_sub_steps(double contact_Hz) {
-  return static_cast<unsigned>(std::ceil(4 * contact_Hz / kHapticRate_Hz - 1e-9));
-}
-
 sim::Scene with(sim::Scene scene, const Setting& setting) {
   scene.solver.sub_steps = setting.sub_steps;
   scene.solver.relax_sweeps = setting.relax_sweeps;
   scene.solver.friction_sweeps = setting.friction;
   scene.solver.contact_hertz = setting.contact_Hz;
-  scene.solver.global_sub_steps_per_tick =
-      std::max<double>(scene.solver.global_sub_steps_per_tick, least_sub_steps(setting.contact_Hz));
+  scene.solver.global_sub_steps_per_tick = std::max<double>(
+      scene.solver.global_sub_steps_per_tick, sim::least_sub_steps(setting.contact_Hz, 1 / kHapticRate_Hz));
   return scene;
 }
 

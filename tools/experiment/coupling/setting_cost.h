@@ -32,9 +32,6 @@ struct Setting {
   friend bool operator==(const Setting&, const Setting&) = default;
 };
 
-// Smallest number of sub-steps per tick that resolves a contact frequency: at most a quarter of the sub-step rate.
-unsigned least_sub_steps(double contact_Hz);
-
 // The scene and the options of a run with this setting.
 sim::Scene with(sim::Scene scene, const Setting& setting);
 session::RunOptions options_of(const Setting& setting);  // with the sub-world coupling

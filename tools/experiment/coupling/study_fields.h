@@ -23,8 +23,8 @@ void fields(Io& io, StudyScene& scene) {
 }
 
 template <class Io>
-void fields(Io& io, EnergyBooks& books) {
-  auto& [device, border_work, corrected, tank, spent, global_work, imposed, returned] = books;
+void fields(Io& io, EnergyAccount& account) {
+  auto& [device, border_work, corrected, tank, spent, global_work, imposed, returned] = account;
   io(device, border_work, corrected, tank, spent, global_work, imposed, returned);
 }
 
@@ -32,11 +32,11 @@ template <class Io>
 void fields(Io& io, WholeRunRow& row) {
   auto& [scene, scheme, members, gains, seconds, hand, apart, sub_steps, force_error, by_quarter, force_rms, off,
          off_most, off_share, drift, deepest, direct_deepest, kinetic, over_work, gain, direct_gain, rise, direct_rise,
-         unexplained, direct_unexplained, at_play, direct_kinetic, standing, fallen, stands, books, start, end,
+         unexplained, direct_unexplained, at_play, direct_kinetic, standing, fallen, stands, account, start, end,
          direct_end] = row;
   io(scene, scheme, members, gains, seconds, hand, apart, sub_steps, force_error, by_quarter, force_rms, off, off_most,
      off_share, drift, deepest, direct_deepest, kinetic, over_work, gain, direct_gain, rise, direct_rise, unexplained,
-     direct_unexplained, at_play, direct_kinetic, standing, fallen, stands, books, start, end, direct_end);
+     direct_unexplained, at_play, direct_kinetic, standing, fallen, stands, account, start, end, direct_end);
 }
 
 template <class Io>

@@ -50,7 +50,7 @@ struct Trace {
   std::vector<std::vector<Body>> poses;  // every kCompareEvery ticks
   std::vector<Body> end;
   double deepest_m{0}, kinetic_J{0}, kinetic_over_work{0}, gain_J{0}, rise_J{0}, unexplained_J{0}, work_J{0};
-  EnergyBooks books;
+  EnergyAccount account;
   bool lost{false};
 };
 
@@ -152,17 +152,17 @@ class WholeRun {
     worlds.bodies(trace.end);
     trace.work_J = work_size_J;
     const haptics::SubWorld& sub_world = worlds.sub_world();
-    trace.books = {.device_J = work_J,
-                   .border_work_J = sub_world.border_work_J() + sub_world.push_out_J(),
-                   .corrected_J = sub_world.corrected_J(),
-                   .tank_J = sub_world.border_tank_J(),
-                   .spent_share = static_cast<double>(spent_ticks) / static_cast<double>(trace.force.size())};
+    trace.account = {.device_J = work_J,
+                     .border_work_J = sub_world.border_work_J() + sub_world.push_out_J(),
+                     .corrected_J = sub_world.corrected_J(),
+                     .tank_J = sub_world.border_tank_J(),
+                     .spent_share = static_cast<double>(spent_ticks) / static_cast<double>(trace.force.size())};
     if (worlds.global() != nullptr) {
       const sim::GlobalStatistics& global = worlds.global()->statistics();
       trace.deepest_m = std::max(trace.deepest_m, global.deepest_m);
-      trace.books.global_work_J = global.border_work_J;
-      trace.books.imposed_J = global.imposed_energy_J;
-      trace.books.returned_J = global.returned_energy_J;
+      trace.account.global_work_J = global.border_work_J;
+      trace.account.imposed_J = global.imposed_energy_J;
+      trace.account.returned_J = global.returned_energy_J;
     }
     return trace;
   }
@@ -242,7 +242,7 @@ WholeRunRow row_of(const WholeRun& whole, const Trace& run, const Trace& direct)
   row.direct_energy_unexplained_J = direct.unexplained_J;
   row.energy_at_play_J = direct.work_J + whole.weight_J();
   row.direct_kinetic_J = direct.kinetic_J;
-  row.books = run.books;
+  row.account = run.account;
   return row;
 }
 

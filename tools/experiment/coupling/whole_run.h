@@ -65,7 +65,7 @@ Standing judge_standing(std::span<const physics::Body> start, std::span<const ph
                         std::span<const physics::Body> end);
 
 // Energy at the border and at the device over a whole run, with sign.
-struct EnergyBooks {
+struct EnergyAccount {
   double device_J{0};       // work of the device on the proxy's spring: -wrench . velocity, summed
   double border_work_J{0};  // done on members by the border, with push-out (rt/physics/push_out.h)
   double corrected_J{0};    // given to members by corrections
@@ -107,7 +107,7 @@ struct WholeRunRow {
   unsigned standing{0};        // bodies that the rule counts, standing in the direct run
   unsigned fallen{0};          // of these
   bool stands{true};
-  EnergyBooks books;
+  EnergyAccount account;
   // If the request keeps them: the moving bodies, in the order of their ids.
   std::vector<physics::Body> start, end, direct_end;
 };

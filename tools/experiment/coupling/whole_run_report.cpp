@@ -80,7 +80,7 @@ std::string whole_table(std::span<const WholeRunRow> rows) {
         name_of(r.hand), 100 * r.force_error, quarters, 1e3 * r.pose_off_m, 1e3 * r.pose_off_most_m,
         100 * r.pose_off_share, 1e3 * r.drift_m, 1e3 * r.deepest_m, r.kinetic_over_work,
         r.energy_at_play_J > 0 ? 100 * (r.energy_gain_J - r.direct_energy_gain_J) / r.energy_at_play_J : 0.0,
-        100 * r.books.spent_share, r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
+        100 * r.account.spent_share, r.stands ? "yes" : fmt::format("NO, {}", r.fallen));
   }
   return text;
 }
@@ -122,14 +122,14 @@ ordered_json whole_rows_json(std::span<const WholeRunRow> rows) {
     one["energy_unexplained_J"] = row.energy_unexplained_J;
     one["direct_energy_unexplained_J"] = row.direct_energy_unexplained_J;
     one["energy_at_play_J"] = row.energy_at_play_J;
-    one["device_work_J"] = row.books.device_J;
-    one["border_work_J"] = row.books.border_work_J;
-    one["corrected_J"] = row.books.corrected_J;
-    one["border_tank_J"] = row.books.tank_J;
-    one["border_spent_share"] = row.books.spent_share;
-    one["global_border_work_J"] = row.books.global_work_J;
-    one["imposed_J"] = row.books.imposed_J;
-    one["returned_J"] = row.books.returned_J;
+    one["device_work_J"] = row.account.device_J;
+    one["border_work_J"] = row.account.border_work_J;
+    one["corrected_J"] = row.account.corrected_J;
+    one["border_tank_J"] = row.account.tank_J;
+    one["border_spent_share"] = row.account.spent_share;
+    one["global_border_work_J"] = row.account.global_work_J;
+    one["imposed_J"] = row.account.imposed_J;
+    one["returned_J"] = row.account.returned_J;
     one["fallen"] = row.fallen;
     one["stands"] = row.stands;
     list.push_back(std::move(one));

@@ -17,10 +17,10 @@ struct Options {
   /// bit-identical results. True: real time, with Session::run.
   bool real_time{false};
 
-  /// The device: `sim`, `usb`, `usb:SERIAL`, `can:IFACE` or `can:IFACE:NODE`. The last four need real time. If
+  /// The device, as `tactus run --device` accepts it. A device that is not simulated needs real time. If
   /// Session::open receives a Device, that device is used and this must stay `sim`.
   std::string device{"sim"};
-  /// File that describes a device on USB or CAN; empty: the scene's profile is used.
+  /// File that describes the device; empty: the scene's profile is used.
   std::string device_file;
   /// GPIO lines used in addition to the device's link, such as `chip=gpiochip0,estop=3-low`; empty: none. Real time
   /// only.

@@ -41,7 +41,7 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("A direct run that goes on from a moment has the force of the run that it was taken from, bit by bit") {
+TEST_CASE("A direct run that goes on from a keyframe has the force of the run that it was taken from, bit by bit") {
   const Bench bench;
   const ReferenceRun reference = bench.reference();
   auto again = bench.worlds(CouplingScheme::kDirect);
@@ -53,7 +53,7 @@ TEST_CASE("A direct run that goes on from a moment has the force of the run that
   CHECK(norm(reference.force.back()) > 0.5);  // it is pressing
 }
 
-TEST_CASE("A sub-world that has all bodies goes on from a moment as the direct run does") {
+TEST_CASE("A sub-world that has all bodies goes on from a keyframe as the direct run does") {
   const Bench bench;
   const ReferenceRun reference = bench.reference();
   auto sub_world = bench.worlds(CouplingScheme::kSubWorld);

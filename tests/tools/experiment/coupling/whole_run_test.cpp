@@ -59,11 +59,11 @@ TEST_CASE("What tips, rolls, hangs across the border or is hit is felt as in the
   for (const WholeRunRow& row : runs_of(scene, {2, 8, 16}, {0, 4}, 3)) {
     INFO(scene << ", ratio " << row.scheme.ratio << ", " << row.members << " members: " << 100 * row.force_error
                << " %, off by " << 1e3 * row.pose_off_m << " mm, " << row.fallen << " fell, tank empty in "
-               << 100 * row.books.spent_share << " % of the ticks");
+               << 100 * row.account.spent_share << " % of the ticks");
     CHECK(row.stands);
     CHECK(row.force_error < (row.scheme.ratio == 16 ? most_at_16 : most));
     CHECK(row.energy_gain_J - row.direct_energy_gain_J < 1e-2 * row.energy_at_play_J);
-    CHECK(row.books.spent_share < 0.1);
+    CHECK(row.account.spent_share < 0.1);
   }
 }
 
@@ -83,14 +83,15 @@ TEST_CASE("Newton's cradle is felt within 10 % through the border at ratios 2 an
 
 // The border took the impact's energy, the global step too; the difference, which corrections gave or took, was settled
 // nowhere, and the tank was empty from there on (90 % of the ticks).
-TEST_CASE("An impact through the border leaves its tank as it was: both worlds have the same energy in their books") {
+TEST_CASE("An impact through the border leaves its tank as it was: both worlds count the same energy") {
   const auto [scene, members] = GENERATE(table<std::string, unsigned>({{"billiard", 2}, {"knock", 2}, {"drop", 2}}));
   for (const WholeRunRow& row : runs_of(scene, {8, 16}, {members}, 3)) {
-    const EnergyBooks& books = row.books;
-    INFO(scene << ", ratio " << row.scheme.ratio << ": border " << books.border_work_J << " J, corrections "
-               << books.corrected_J << " J, global " << books.global_work_J << " J, tank " << books.tank_J << " J");
-    CHECK(books.spent_share < 0.01);
-    CHECK(std::abs(books.border_work_J + books.corrected_J - books.global_work_J) < 0.02);
+    const EnergyAccount& account = row.account;
+    INFO(scene << ", ratio " << row.scheme.ratio << ": border " << account.border_work_J << " J, corrections "
+               << account.corrected_J << " J, global " << account.global_work_J << " J, tank " << account.tank_J
+               << " J");
+    CHECK(account.spent_share < 0.01);
+    CHECK(std::abs(account.border_work_J + account.corrected_J - account.global_work_J) < 0.02);
   }
 }
 
@@ -144,14 +145,15 @@ TEST_CASE("A member that is pushed against an outside body neither overlaps it n
 // The border below the heavy one, below the first light one and through the light ones.
 TEST_CASE("A tonne stands on light cubes, wherever the border runs") {
   for (const WholeRunRow& row : runs_of("thousand", {2, 8, 16}, {2, 0, 5}, 5)) {
-    const EnergyBooks& books = row.books;
+    const EnergyAccount& account = row.account;
     INFO("ratio " << row.scheme.ratio << ", " << row.members << " members: off by " << 1e3 * row.pose_off_m
-                  << " mm, border " << books.border_work_J << " J, corrections " << books.corrected_J << " J, global "
-                  << books.global_work_J << " J, tank empty in " << 100 * books.spent_share << " % of the ticks");
+                  << " mm, border " << account.border_work_J << " J, corrections " << account.corrected_J
+                  << " J, global " << account.global_work_J << " J, tank empty in " << 100 * account.spent_share
+                  << " % of the ticks");
     CHECK(row.stands);
-    CHECK(books.spent_share < 0.1);
+    CHECK(account.spent_share < 0.1);
     // With two members, proxy and tonne, all that acts on the tonne goes through the border.
-    if (row.members == 2) CHECK(std::abs(books.border_work_J + books.corrected_J - books.global_work_J) < 1e-3);
+    if (row.members == 2) CHECK(std::abs(account.border_work_J + account.corrected_J - account.global_work_J) < 1e-3);
     CHECK(row.pose_off_share < kGoal);
   }
 }
@@ -162,7 +164,7 @@ TEST_CASE("A link that hangs across the border is felt as in the direct run") {
   for (const WholeRunRow& row : runs_of("pendulum_cut", {2, 3, 4, 5, 6, 8, 16}, {2, 0, 5}, 4)) {
     INFO("ratio " << row.scheme.ratio << ", " << row.members << " members: " << 100 * row.force_error << " %");
     CHECK(row.force_error < 0.02);
-    CHECK(row.books.spent_share < 0.05);
+    CHECK(row.account.spent_share < 0.05);
     CHECK(row.pose_off_share < kGoal);
   }
 }
@@ -190,7 +192,7 @@ TEST_CASE("A link that hangs across the border of a large world is held, with an
     INFO("ratio " << row.scheme.ratio << ": " << 100 * row.force_error << " %");
     CHECK(row.stands);
     CHECK(row.force_error < 0.05);
-    CHECK((row.scheme.ratio == 8 || row.books.spent_share > 0));
+    CHECK((row.scheme.ratio == 8 || row.account.spent_share > 0));
   }
 }
 
@@ -245,7 +247,7 @@ TEST_CASE("Without a hand no force is felt, and the energy of all bodies never r
   CHECK(closed.force_rms_N > 0.5);
   CHECK(alone.hand == WholeRunHand::kNone);
   CHECK(alone.force_rms_N == 0);
-  CHECK(alone.books.device_J == 0);
+  CHECK(alone.account.device_J == 0);
   CHECK(alone.stands);
   CHECK(alone.energy_rise_J < 1e-3 * alone.energy_at_play_J);
   CHECK(alone.direct_energy_rise_J < 1e-3 * alone.energy_at_play_J);

@@ -2,7 +2,7 @@
 import { Quaternion } from "three";
 import { Graph } from "./graph";
 import { Lag } from "./lag";
-import type { Pose } from "./led_hand";
+import type { Pose } from "./operated_hand";
 import { hashOf, type Link, linkOf, tokenOf } from "./link";
 import { type Judged, Player, type TapeState } from "./player";
 import { forceAge_us, kSignals, Plots } from "./plots";

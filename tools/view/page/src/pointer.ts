@@ -2,7 +2,7 @@
 // turns. What is sent is how far the hand is to be from where it was taken; the device follows as a hand would. It is
 // sent when the pointer says so, not with the next picture: a browser gathers `pointermove` until then, but not
 // `pointerrawupdate`, where it has that.
-import { LedHand, type Pose } from "./led_hand";
+import { OperatedHand, type Pose } from "./operated_hand";
 import type { Scene3d } from "./scene3d";
 
 type Vector = [number, number, number];
@@ -28,7 +28,7 @@ export class Pointer {
   private sent_ms = -Infinity; // a change, or the same again
   private waits: ReturnType<typeof setTimeout> | undefined; // for kAtMostEvery_ms to be over
   private lastPad_ms = NaN;
-  private hand: LedHand | null = null; // since it was last taken
+  private hand: OperatedHand | null = null; // since it was last taken
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly view: Scene3d, private readonly send: Send, private readonly moves: (event_ms: number) => void) {
     canvas.addEventListener("pointerdown", (event) => this.down(event));
@@ -113,7 +113,7 @@ export class Pointer {
   draw(now_ms: number, time_s: number, at: Pose | null): void {
     if (!this.taken) return;
     this.pad(now_ms);
-    if (this.hand === null && at !== null) this.hand = new LedHand(at);
+    if (this.hand === null && at !== null) this.hand = new OperatedHand(at);
     this.hand?.advance(time_s, this.moved, this.turned);
     if (performance.now() - this.sent_ms >= kAtLeastEvery_ms) this.say();
   }

@@ -1,5 +1,5 @@
 // A hand led by a person follows the target at a limited speed, and rests without a target.
-#include "hal/led_hand.h"
+#include "hal/operated_hand.h"
 
 #include <catch2/catch.hpp>
 
@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 
-LedHand begun(const Vec3d& position = {}) {
-  LedHand hand;
+OperatedHand begun(const Vec3d& position = {}) {
+  OperatedHand hand;
   hand.begin({{position, {}}, {}});
   return hand;
 }
@@ -22,7 +22,7 @@ LedHand begun(const Vec3d& position = {}) {
 }  // namespace
 
 TEST_CASE("a led hand arrives where it is wished, without overshoot, at rest") {
-  LedHand hand = begun({0.1, 0, 0});
+  OperatedHand hand = begun({0.1, 0, 0});
   hand.wish({0.004, 0, 0}, {0, 0, 0.02});
   double farthest = 0;
   for (int tick = 0; tick < 1000; ++tick) {
@@ -36,7 +36,7 @@ TEST_CASE("a led hand arrives where it is wished, without overshoot, at rest") {
 }
 
 TEST_CASE("a led hand is never faster than half a metre a second, whatever is wished") {
-  LedHand hand = begun();
+  OperatedHand hand = begun();
   double fastest = 0;
   for (int tick = 0; tick < 2000; ++tick) {
     const double far = tick % 200 < 100 ? 5 : -5;
@@ -44,14 +44,14 @@ TEST_CASE("a led hand is never faster than half a metre a second, whatever is wi
     const Vec3d before = hand.at(0).pose.position;
     hand.advance(kTick_s);
     fastest = std::max(fastest, norm(hand.at(0).pose.position - before) / kTick_s);
-    CHECK(norm(hand.at(0).twist.angular) <= LedHand::kMaxTurn_rad_per_s * (1 + 1e-9));
+    CHECK(norm(hand.at(0).twist.angular) <= OperatedHand::kMaxTurn_rad_per_s * (1 + 1e-9));
   }
-  CHECK(fastest <= LedHand::kMaxSpeed_m_per_s * (1 + 1e-9));
-  CHECK(fastest > 0.99 * LedHand::kMaxSpeed_m_per_s);
+  CHECK(fastest <= OperatedHand::kMaxSpeed_m_per_s * (1 + 1e-9));
+  CHECK(fastest > 0.99 * OperatedHand::kMaxSpeed_m_per_s);
 }
 
 TEST_CASE("held, it comes to rest near where it was") {
-  LedHand hand = begun();
+  OperatedHand hand = begun();
   hand.wish({1, 0, 0}, {});
   for (int tick = 0; tick < 300; ++tick) hand.advance(kTick_s);
   const double held_at = hand.at(0).pose.position.x;
@@ -75,10 +75,10 @@ TEST_CASE("the simulated device's tool follows the hand that is led, from where 
   CHECK(device.hand_target().pose.position == taken_at);  // no step
   device.lead_hand({0, 0.03, 0}, {});
   for (int tick = 0; tick < 1500; ++tick) device.read(input);
-  CHECK(device.hand_is_led());
+  CHECK(device.hand_is_operated());
   CHECK(device.hand_target().pose.position.x == Approx(taken_at.x).margin(1e-9));
   CHECK(device.hand_target().pose.position.y == Approx(0.03).margin(1e-6));
   CHECK(input.sample.device_from_tool.position.y == Approx(0.03).margin(2e-3));
   device.return_hand();
-  CHECK_FALSE(device.hand_is_led());
+  CHECK_FALSE(device.hand_is_operated());
 }

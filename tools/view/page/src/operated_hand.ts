@@ -1,5 +1,5 @@
-// Where the simulated hand's target is, as the page knows it: the device's filter (hal/led_hand.h) run again, for the
-// file of the motion.
+// Where the simulated hand's target is, as the page knows it: the device's filter (hal/operated_hand.h) run again, for
+// the file of the motion.
 import { Quaternion, Vector3 } from "three";
 
 const kFollows_rad_per_s = 30, kMaxSpeed_m_per_s = 0.5, kMaxTurn_rad_per_s = 3.0;
@@ -28,7 +28,7 @@ function follow(speed: Vector3, left: Vector3, most: number): void {
   if (speed.length() > most) speed.setLength(most);
 }
 
-export class LedHand {
+export class OperatedHand {
   private readonly origin: { position: Vector3; rotation: Quaternion };
   private readonly position: Vector3;
   private readonly rotation: Quaternion;

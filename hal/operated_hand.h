@@ -15,7 +15,7 @@
 
 namespace tactus::hal {
 
-class LedHand {
+class OperatedHand {
  public:
   static constexpr double kMaxSpeed_m_per_s = 0.5;
   static constexpr double kMaxTurn_rad_per_s = 3.0;
