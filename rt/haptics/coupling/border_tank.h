@@ -18,11 +18,12 @@
 // border and corrections supplied beyond the outside bodies' work, E_0 the initial amount and K_0 the kinetic energy
 // without G, K is at most K_0 + G, so
 //   G <= E_0 + kCreditShare (K_0 + G) <= (E_0 + kCreditShare K_0) / (1 - kCreditShare)
-// What the damper between device and proxy takes fills the tank up to the initial amount: else a balance that is a
-// little short after an impact would stay so (SubWorld::step_members). So border and corrections have supplied at most
-// the initial amount, the work of the outside bodies, what the damper took, and what is owed; in their own sub-step
-// contacts owe nothing. Thread: [rt], the haptic thread. Units: J. Bound: constant time. Source: time-domain passivity,
-// Hannaford, Ryu 2002; energy tanks, Franken et al. 2011.
+// What the damper between device and proxy takes, and what members dissipate between them by friction, in contacts and
+// joints (SubWorld::note_dissipation), fills the tank up to the initial amount: else a balance that is a little short
+// after an impact would stay so. So border and corrections have supplied at most the initial amount, the work of the
+// outside bodies, what was dissipated, and what is owed; in their own sub-step contacts owe nothing. Thread: [rt], the
+// haptic thread. Units: J. Bound: constant time. Source: time-domain passivity, Hannaford, Ryu 2002; energy tanks,
+// Franken et al. 2011.
 #pragma once
 
 #include <algorithm>
@@ -49,9 +50,11 @@ struct BorderTank {
   // Energy that the border may supply in the next tick; below 0 it must take that much first.
   double available_J() const noexcept { return balance_J() + credit_J; }
   void settle(double energy) noexcept { start(balance_J() + energy); }
-  // Adds what a damper took from the members, until `most` is stored again.
-  void refill(double damped, double most) noexcept {
-    if (balance_J() < most) settle(std::min(damped, most - balance_J()));
+  // Adds energy that was dissipated, until `most` is stored again. Returns what it added.
+  double refill(double dissipated, double most) noexcept {
+    const double added = std::clamp(most - balance_J(), 0.0, dissipated);
+    if (added > 0.0) settle(added);
+    return added;
   }
   // Once a cycle, when all of it is settled. Within a cycle the energy of an impact may be on one side of the balance
   // only.

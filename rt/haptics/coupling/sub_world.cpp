@@ -36,8 +36,12 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   const bool same_world = snapshot.epoch == state_.epoch;
   const bool first = state_.has_snapshot == 0 || !same_world;
   const double before_J = state_.corrected_J;
+  if (border_.has_tank && !first) note_dissipation();
   if (same_world) correct_members(snapshot);
-  if (first) state_.tank.start(border_.tank_at_start_J);
+  if (first) {
+    state_.tank.start(border_.tank_at_start_J);
+    state_.dissipated_J = 0.0;
+  }
   if (border_.has_tank) settle_cycle(snapshot, before_J - state_.corrected_J, first);
   fill_report(snapshot, report);
   if (!same_world) forget_world(snapshot.epoch);
@@ -63,6 +67,20 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
   state_.ticks_in_cycle = 0;
   state_.cycle_impulse = {};
   state_.cycle_push_out_J = 0.0;
+  if (border_.has_tank) state_.received_at_start_J = received_J() - members_J();
+}
+
+// Energy of the members: of motion, of gravity, and in the springs of their joints.
+double SubWorld::members_J() const noexcept {
+  return world_.kinetic_energy() + world_.potential_energy(config_.step.gravity) +
+         world_.joint_springs_J(config_.step.contact_hertz);
+}
+
+// What members received in the cycle and do not have any more, was dissipated between them. A contact's spring gives
+// back what it took; so less than nothing is carried on, and more than the tank's initial amount is not.
+void SubWorld::note_dissipation() noexcept {
+  state_.dissipated_J = std::min(border_.tank_at_start_J, state_.dissipated_J + received_J() - members_J() -
+                                                              state_.received_at_start_J);
 }
 
 // Settles the last cycle with the tank. The first snapshot's work is that of a step before there were members. A border
@@ -72,6 +90,8 @@ void SubWorld::settle_cycle(const WorldSnapshot& snapshot, double taken_by_corre
     state_.replayed_J = snapshot.border_work_J / config_.ratio;
   else if (!first)
     state_.tank.settle(taken_by_corrections_J + snapshot.border_work_J - state_.cycle_push_out_J);
+  if (state_.dissipated_J > 0.0)
+    state_.dissipated_J -= state_.tank.refill(state_.dissipated_J, border_.tank_at_start_J);
   state_.tank.keep_capacity();
   state_.tank.lend(snapshot.outside_motion_J);
 }

@@ -101,6 +101,8 @@ class SubWorld {
     BorderTank tank;       // used if the border has a tank
     double replayed_J{0};  // J a tick, of a border that replays: border_work_J of the snapshot / ratio
     double push_out_J{0}, cycle_push_out_J{0};  // since the start, in this cycle
+    // What members received, less their energy, when the cycle began; what they dissipated and the tank has not got.
+    double received_at_start_J{0}, dissipated_J{0};
   };
 
   // sub_world_report.cpp
@@ -108,6 +110,10 @@ class SubWorld {
   void report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
   void report_border(SubWorldReport& report) const noexcept;
 
+  double members_J() const noexcept;
+  // By coupling, border and position correction, since the start.
+  double received_J() const noexcept { return state_.proxy_work_J + border_work_J() + state_.push_out_J; }
+  void note_dissipation() noexcept;
   void correct_members(const WorldSnapshot& snapshot) noexcept;
   void settle_cycle(const WorldSnapshot& snapshot, double taken_by_corrections_J, bool first) noexcept;
   void forget_world(std::uint32_t epoch) noexcept;

@@ -11,6 +11,7 @@
 // Frame: world. Units: SI. Thread: construction [setup], the rest [rt]. Bound: linear in border contacts.
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "rt/physics/border/border_contact.h"
@@ -40,10 +41,10 @@ class BorderSolver {
   void prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, std::span<const Body> bodies,
                SolverBodies<double> solver_bodies, const BorderStep& step) noexcept;
   void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves
-  // True if some energy is left for this sub-step. `by_joints_J`: what joints to outside bodies have supplied in the
-  // step.
+  // True if some energy is left for this sub-step. `by_joints_J`: work of joints to outside bodies so far in the step;
+  // what they have taken is left for the next step.
   bool may_supply(double by_joints_J) noexcept {
-    by_joints_J_ = by_joints_J;
+    by_joints_J_ = std::max(0.0, by_joints_J);
     return may_supply_ = left_J() > 0.0;
   }
   void apply_replay(SolverBodies<double> bodies) noexcept;

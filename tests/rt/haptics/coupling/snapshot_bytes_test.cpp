@@ -14,7 +14,7 @@ using namespace tactus::haptics;
 
 namespace {
 
-constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + 8 + sizeof(physics::BodyMotion);
+constexpr std::size_t kHeader = 8 + 8 + 4 + 4 + 4 + 8 + 8 + sizeof(physics::BodyMotion);
 
 physics::BodyMotion random_motion(test::Random& random) {
   return {{random.vector(10), quat_from_rotation_vector(random.vector(1))}, {random.vector(2), random.vector(5)}};
