@@ -25,7 +25,7 @@ enum CapacityBit : std::uint32_t {
   kPairsFull = 1u << 2,
   kContactsFull = 1u << 3,
   kBorderContactsFull = 1u << 4,
-  kMeshTrianglesFull = 1u << 5,  // also where a body is near more than kMaxBodyTriangles: the nearest are kept
+  kMeshTrianglesFull = 1u << 5,  // also where a body can touch more than kMaxBodyTriangles: the nearest are kept
 };
 
 }  // namespace tactus::physics

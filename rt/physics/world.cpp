@@ -349,10 +349,12 @@ std::uint32_t World::add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t
                                      const StepSettings& settings) noexcept {
   const Body& fixed = fixed_bodies_[fixed_slot];
   const Mesh& mesh = shapes_.meshes[fixed.shape.index];
-  const Aabb box = bounds_of(part.shape, part.pose, margin_to_fixed(motion_bounds_[slot], settings), shapes_.hulls);
+  const double reach = margin_to_fixed(motion_bounds_[slot], settings);
+  const Aabb box = bounds_of(part.shape, part.pose, reach, shapes_.hulls);
   const MeshCulling culling(mesh, part, motion_bounds_[slot], fixed.motion.pose.rotation, settings, shapes_.hulls);
   TriangleList near;
-  near_triangles.find(mesh, of.body, fixed.shape.index, box, near);
+  BodyOnMesh body_on_mesh(mesh, part, reach, shapes_.hulls);
+  near_triangles.find(mesh, of.body, fixed.shape.index, box, near, &body_on_mesh);
   std::uint32_t left_out = near.left_out;
   PatchTriangles stretch{mesh_triangles_.size(), 0};
   std::uint32_t patch = 0;

@@ -20,7 +20,11 @@ class TreeBuilder {
   // Adds the node of order[first, first + count) and its children. The recursion's depth is the logarithm of count.
   void add(std::uint32_t first, std::uint32_t count) {
     const auto at = static_cast<std::uint32_t>(mesh_.nodes.size());
-    mesh_.nodes.push_back({.box = box_of(first, count), .first = first, .count = count, .second = 0});
+    mesh_.nodes.push_back({.box = box_of(first, count),
+                           .first = first,
+                           .count = count,
+                           .second = 0,
+                           .inside_patch = patch_inside(first, count)});
     if (count <= kLeaf) return;
     const int axis = longest_side(first, count);
     const auto begin = mesh_.order.begin() + first;
@@ -46,6 +50,14 @@ class TreeBuilder {
       grow(box, next.lower, next.upper);
     }
     return box;
+  }
+  std::uint32_t patch_inside(std::uint32_t first, std::uint32_t count) const {
+    const std::uint32_t patch = mesh_.triangles[mesh_.order[first]].patch;
+    for (std::uint32_t i = first; i < first + count; ++i) {
+      const auto& triangle = mesh_.triangles[mesh_.order[i]];
+      if (triangle.patch != patch || !view_.is_inside_patch(triangle)) return physics::kNoPatch;
+    }
+    return patch;
   }
   int longest_side(std::uint32_t first, std::uint32_t count) const {
     physics::Aabb box{middle_[mesh_.order[first]], middle_[mesh_.order[first]]};

@@ -96,8 +96,15 @@ void add_mesh_contacts(const Scene& scene, const physics::PosedShape& part, Body
                        StartContacts& start) {
   const auto& mesh = scene.meshes[b.shape.index];
   physics::TriangleList near;
-  physics::find_triangles(
-      mesh, physics::bounds_of(part.shape, physics::relative_pose(b.motion.pose, part.pose), kMargin_m), near);
+  const Posed mesh_from_part = physics::relative_pose(b.motion.pose, part.pose);
+  physics::BodyOnMesh touch(mesh, {part.shape, mesh_from_part}, kMargin_m, scene.hulls);
+  const auto box = physics::bounds_of(part.shape, mesh_from_part, kMargin_m, scene.hulls);
+  physics::find_triangles(mesh, box, near, &touch);
+  if (near.left_out > start.triangles_left_out) {
+    start.triangles_left_out = near.left_out;
+    start.fine_body = id;
+    start.fine_mesh = b.id;
+  }
   const auto triangles = near.triangles.span();
   const auto patch_of = [&](std::size_t i) { return mesh.triangles[triangles[i]].patch; };
   for (std::size_t first = 0, end = 0; first < triangles.size(); first = end) {
@@ -261,6 +268,12 @@ void find_problems(const Scene& scene, bool device_rotates, SceneReport& report)
                     "shallowest are left out (give these bodies fewer parts, or move them apart)",
                     report.start.contacts, report.start.most, body_label(scene, report.start.most_a),
                     body_label(scene, report.start.most_b), report.capacity.global_contacts));
+  if (report.start.triangles_left_out > 0)
+    problem(fmt::format(
+        "{} can touch too many triangles of {} at the start; accepted: at most {}, beyond which those nearest "
+        "to its middle are kept (make this ground flat or of larger triangles, or the body a compound)",
+        body_label(scene, report.start.fine_body), body_label(scene, report.start.fine_mesh),
+        physics::kMaxBodyTriangles));
   const HandReport& hand = report.hand;
   if (hand.farthest_m > hand.workspace_radius_m)
     problem(

@@ -36,6 +36,10 @@ struct StartContacts {
   BodyId deepest_a{kNoBody}, deepest_b{kNoBody};
   unsigned most{0};  // contacts of the pair that has the most: of parts, if it has a compound
   BodyId most_a{kNoBody}, most_b{kNoBody};
+  // Triangles of a mesh that a body can touch beyond kMaxBodyTriangles, of the body and the mesh with the most; an
+  // upper bound of their number.
+  unsigned triangles_left_out{0};
+  BodyId fine_body{kNoBody}, fine_mesh{kNoBody};
 };
 
 // Static penetration of a contact with effective mass m under a load F: F / (m w^2), w = 2 pi x the contact frequency.

@@ -23,6 +23,8 @@ constexpr std::uint32_t kMinContacts = 256;
 // On a mesh: patches near a body, and triangles near a body.
 constexpr std::uint32_t kPatchesPerBody = 16;
 constexpr std::uint32_t kTrianglesPerBody = 64;
+// Room for that many bodies on a mesh so fine that each has all the triangles that a body may have.
+constexpr std::uint32_t kBodiesOnFineMesh = 256;
 
 std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
   return static_cast<std::uint32_t>(
@@ -51,7 +53,8 @@ std::uint32_t most_parts(const Scene& scene, std::uint32_t members) {
 void add_meshes(const Scene& scene, std::uint32_t parts, physics::Capacities& capacities) noexcept {
   if (scene.meshes.empty()) return;
   capacities.pairs += kPatchesPerBody * parts;
-  capacities.mesh_triangles = kTrianglesPerBody * parts + physics::kMaxBodyTriangles;
+  capacities.mesh_triangles =
+      kTrianglesPerBody * parts + physics::kMaxBodyTriangles * std::min(parts + 1, kBodiesOnFineMesh);
 }
 
 }  // namespace

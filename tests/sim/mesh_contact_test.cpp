@@ -388,15 +388,6 @@ TEST_CASE("a ball that comes fast is stopped by a sheet: the margin looks a step
   CHECK(body.motion.pose.position.z > 0);
 }
 
-TEST_CASE("bodies near to too many triangles keep the nearest, and that is reported") {
-  MeshBench bench(flat_grid(60, 0.002, 2));
-  auto& body = bench.add(Shape::box({0.05, 0.05, 0.01}), 1.0, 0.5, {{0, 0, 0.01}, {}});
-  bench.run(3);
-  CHECK((bench.report.capacity_bits & physics::kMeshTrianglesFull) != 0);
-  CHECK(bench.report.dropped > 0);
-  CHECK(is_finite(body.motion.pose));
-}
-
 TEST_CASE("a step on a mesh allocates nothing and takes no lock") {
   TACTUS_NEEDS(tactus::test::RtGuard::available(), "counting allocations needs a build without a sanitizer");
   Random random(9);

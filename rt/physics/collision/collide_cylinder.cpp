@@ -105,9 +105,11 @@ constexpr int kTurns = 2;
 
 // Moves points on the facet of a round body to the facet's middle line, where the exact surface is touched. The edges
 // are up to radius * kFacet beside that line: a normal force on one edge would have a moment about the axis and
-// accelerate the body, forces on both edges would brake it. `self`: the member that is relative to that body's centre.
+// accelerate the body, forces on both edges would brake it. A contact on a cap is exact where it is: a point moved
+// there would leave the line of the force. `self`: the member that is relative to that body's centre.
 void centre_on_facet(const Quatd& rotation, const Alignment& alignment, double radius, Vec3d ManifoldPoint::*self,
                      Manifold& manifold) noexcept {
+  if (!Alignment::faces(rotate_inverse(rotation, manifold.normal))) return;
   const Vec3d across = rotate(rotation, Vec3d{-alignment.y, alignment.x, 0.0});
   for (std::uint32_t i = 0; i < manifold.count; ++i) {
     ManifoldPoint& point = manifold.points[i];

@@ -4,8 +4,8 @@
 
 namespace tactus::physics {
 
-void NearTriangles::find(const Mesh& mesh, BodyId body, std::uint32_t mesh_index, const Aabb& box,
-                         TriangleList& found) const noexcept {
+void NearTriangles::find(const Mesh& mesh, BodyId body, std::uint32_t mesh_index, const Aabb& box, TriangleList& found,
+                         BodyOnMesh* body_on_mesh) const noexcept {
   const auto before = [](const NearRegion& r, std::pair<BodyId, std::uint32_t> key) noexcept {
     return r.body != key.first ? r.body < key.first : r.mesh < key.second;
   };
@@ -14,7 +14,7 @@ void NearTriangles::find(const Mesh& mesh, BodyId body, std::uint32_t mesh_index
   if (holds)
     choose_triangles(mesh, box, triangles.subspan(at->first, at->count), found);
   else
-    find_triangles(mesh, box, found);
+    find_triangles(mesh, box, found, body_on_mesh);
 }
 
 }  // namespace tactus::physics

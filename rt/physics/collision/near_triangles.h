@@ -23,8 +23,8 @@ struct NearTriangles {
   std::span<const NearRegion> regions;       // sorted by body, then by mesh
   std::span<const std::uint32_t> triangles;  // ascending in each region
 
-  void find(const Mesh& mesh, BodyId body, std::uint32_t mesh_index, const Aabb& box,
-            TriangleList& found) const noexcept;
+  void find(const Mesh& mesh, BodyId body, std::uint32_t mesh_index, const Aabb& box, TriangleList& found,
+            BodyOnMesh* body_on_mesh = nullptr) const noexcept;
 };
 
 }  // namespace tactus::physics

@@ -27,6 +27,7 @@
 namespace tactus::physics {
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+inline constexpr std::uint32_t kNoPatch = 0xffffffffu;
 inline constexpr std::uint32_t kMaxCornerTriangles = 256;
 
 // First id of patches: they appear only in pair keys, no body has one.
@@ -52,8 +53,9 @@ struct MeshPatch {
 // Nodes are in depth-first order: the first child of a node follows it.
 struct MeshNode {
   Aabb box;
-  std::uint32_t first{0}, count{0};  // range in Mesh::order of all triangles below the node
-  std::uint32_t second{0};           // the other child; 0 for a leaf
+  std::uint32_t first{0}, count{0};      // range in Mesh::order of all triangles below the node
+  std::uint32_t second{0};               // the other child; 0 for a leaf
+  std::uint32_t inside_patch{kNoPatch};  // that of all triangles below the node, if each is inside it
 };
 
 struct Mesh {
@@ -73,6 +75,10 @@ struct Mesh {
   }
   bool is_inner_edge(const MeshTriangle& t, std::uint32_t k) const noexcept {  // between triangles of one patch
     return t.neighbour[k] != kNoTriangle && triangles[t.neighbour[k]].patch == t.patch;
+  }
+  // True if its neighbours are of the same patch, and none of its corners is on a convex or boundary edge.
+  bool is_inside_patch(const MeshTriangle& t) const noexcept {
+    return !t.exposed && is_inner_edge(t, 0) && is_inner_edge(t, 1) && is_inner_edge(t, 2);
   }
   std::span<const std::uint32_t> triangles_at(std::uint32_t c) const noexcept {
     return around.subspan(around_start[c], around_start[c + 1] - around_start[c]);

@@ -80,7 +80,7 @@ bool find_all(const Mesh& mesh, const Aabb& box, TriangleList& found) noexcept {
 
 }  // namespace
 
-void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noexcept {
+void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found, BodyOnMesh* body) noexcept {
   found.triangles.clear();
   found.left_out = 0;
   if (mesh.nodes.empty() || find_all(mesh, box, found)) return;
@@ -92,7 +92,7 @@ void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noex
   while (waiting > 0) {
     const std::uint32_t at = stack[--waiting];
     const MeshNode& node = mesh.nodes[at];
-    if (!node.box.overlaps(box)) continue;
+    if (!node.box.overlaps(box) || (body != nullptr && !body->can_touch(node))) continue;
     if (visits++ >= kMaxMeshVisits || !nearest.is_beaten_by(squared_distance(node.box, middle), 0)) {
       found.left_out += node.count;
       continue;
@@ -100,8 +100,8 @@ void find_triangles(const Mesh& mesh, const Aabb& box, TriangleList& found) noex
     if (node.second == 0) {
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
         const Aabb triangle = mesh.box_of(mesh.order[i]);
-        if (triangle.overlaps(box) && !nearest.offer(squared_distance(triangle, middle), mesh.order[i]))
-          ++found.left_out;
+        if (!triangle.overlaps(box) || (body != nullptr && !body->can_touch(mesh.order[i]))) continue;
+        if (!nearest.offer(squared_distance(triangle, middle), mesh.order[i])) ++found.left_out;
       }
       continue;
     }

@@ -94,10 +94,16 @@ struct Alignment {
 
   // `toward`: to the other body, of any length, in the body's frame.
   static Alignment to(const Vec3d& toward) noexcept {
-    const double across = std::sqrt(toward.x * toward.x + toward.y * toward.y);
-    if (!(across > kLeast * norm(toward))) return {};
+    if (!faces(toward)) return {};
+    const double across = across_axis(toward);
     return {toward.x / across, toward.y / across};
   }
+
+  // True if the facet turns to this direction: the contact is on the side or at the rim. False on a cap.
+  static bool faces(const Vec3d& toward) noexcept { return across_axis(toward) > kLeast * norm(toward); }
+
+ private:
+  static double across_axis(const Vec3d& v) noexcept { return std::sqrt(v.x * v.x + v.y * v.y); }
 };
 
 class RoundHull {

@@ -74,6 +74,32 @@ TEST_CASE("a mesh from a file is where its corners are, fixed, and counted by th
                                        "; 1 triangles without area left out; 1 doubled triangles left out"));
 }
 
+TEST_CASE("a body on too many triangles of uneven ground is a problem of the scene, on flat ground it is none") {
+  const Folder folder;
+  const std::string ground = mesh("file = \"ground.obj\"\n");
+  const auto box = [](double height_m) {
+    return fmt::format("[[body]]\nshape = \"box\"\nsize_m = [0.1, 0.1, 0.02]\nmass_kg = 1\nposition_m = [0, 0, {}]\n",
+                       0.01 + height_m);
+  };
+  const auto problems_on = [&](double height_m) {
+    Random random(8);
+    std::string obj;
+    const TriangleSoup soup = height_field(
+        60, 0.002, [&](double, double) { return random(-height_m, height_m); }, [] { return true; });
+    for (const Vec3d& c : soup.corners) obj += fmt::format("v {} {} {}\n", c.x, c.y, c.z);
+    for (const auto& t : soup.triangles) obj += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    folder.write("ground.obj", obj);
+    auto problems = report_on(folder.good(ground + box(height_m)), kDevice, 1e-3).problems;
+    std::erase_if(problems, [](const std::string& text) { return text.find("triangles") == std::string::npos; });
+    return problems;
+  };
+  CHECK(problems_on(0).empty());
+  const auto uneven = problems_on(2e-5);
+  REQUIRE(uneven.size() == 1);
+  CHECK_THAT(uneven[0], Contains("body 2") && Contains("too many triangles of body 1") && Contains("at most 256") &&
+                            Contains("flat or of larger triangles"));
+}
+
 TEST_CASE("a scene keeps the triangles of its files: its source alone gives the same meshes") {
   const Folder folder;
   Random random(3);

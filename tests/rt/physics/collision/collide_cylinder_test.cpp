@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "rt/physics/contact/rolling_side.h"
@@ -195,6 +197,48 @@ TEST_CASE("Spheres, boxes, cylinders and cones that are apart are found at their
   CHECK(pairs > 20);
   CHECK(exact > 0.8 * flat);
   CHECK(worst < 1e-3);
+}
+
+TEST_CASE("A contact on a cap is where the other body stands, however near to the middle line of the facet") {
+  // Kinds of contact: a sphere's nearest point, and the corners of a thin card, which carry its centre between them.
+  const double cap = 0.5;
+  for (const Shape& round : {Shape::cylinder(cap, 0.02), Shape::cone(cap, 0.1)}) {
+    const bool cone = round.kind == ShapeKind::kCone;
+    const Quatd base_up = cone ? turn({1, 0, 0}, kPi) : Quatd{};
+    const Posed pose{{0, 0, RoundHull::lower_end(round)}, base_up};  // the cap is the plane z = 0
+    for (const double y : {0.0, 1e-4, -3e-4, 4.9e-4, 0.01}) {
+      CAPTURE(cone, y);
+      const Shape ball = Shape::sphere(0.008), card = Shape::box({0.03, 4e-4, 0.02});
+      const Manifold under = touch(ball, {{0.05, y, 0.008}, {}}, round, pose, 1e-3);
+      REQUIRE(under.count == 1);
+      CHECK(under.normal.z == Approx(-1).epsilon(1e-12));
+      CHECK(std::abs(under.points[0].from_a.x) < 1e-9);
+      CHECK(std::abs(under.points[0].from_a.y) < 1e-9);
+      const Manifold feet = touch(card, {{0.05, y, 0.02}, {}}, round, pose, 1e-3);
+      REQUIRE(feet.count == 4);
+      double beside = 0;
+      for (const ManifoldPoint& p : std::span(feet.points).first(feet.count)) {
+        CHECK(std::abs(p.from_a.y) == Approx(4e-4).epsilon(1e-6));
+        beside += p.from_a.y;
+      }
+      CHECK(std::abs(beside) < 1e-9);
+    }
+  }
+}
+
+TEST_CASE("A marble and a card that stand on a cap beside the middle line of the facet stay there") {
+  PhysicsBench bench;
+  bench.world.insert(make_fixed_body(0, Shape::cylinder(0.5, 0.015), 0.4, {{0, 0, -0.015}, {}}));
+  bench.add_sphere(1, 0.008, 0.005, 0.4, {0.05, 1e-4, 0.008});
+  bench.add_box(2, {0.03, 4.5e-4, 0.015}, 0.002, 0.4, {{-0.1, 2e-4, 0.015}, {}});
+  bench.run_seconds(3);
+  for (const auto& [id, at] : {std::pair<BodyId, Vec3d>{1, {0.05, 1e-4, 0.008}}, {2, {-0.1, 2e-4, 0.015}}}) {
+    CAPTURE(id);
+    CHECK(bench.position(id).x == Approx(at.x).margin(1e-6));
+    CHECK(bench.position(id).y == Approx(at.y).margin(1e-6));
+    CHECK(bench.position(id).z == Approx(at.z).margin(2e-5));  // its weight, on the contact's stiffness
+  }
+  CHECK(bench.world.kinetic_energy() < 1e-12);
 }
 
 TEST_CASE("A cylinder rolls down an incline as the formula says, smoothly") {
