@@ -259,7 +259,7 @@ void find_problems(const Scene& scene, bool device_rotates, SceneReport& report)
     axis("rotation", report.coupling.rotation, "N m/rad", "stiffness_Nm_per_rad", "damping_Nms_per_rad");
   }
   if (report.start.deepest_m > kMaxOverlapAtStart_m)
-    problem(fmt::format("{} and {} overlap by {:.3g} m at the start; accepted: at most {:g} m",
+    problem(fmt::format("{} and {} overlap by {:.4g} m at the start; accepted: at most {:g} m",
                         body_label(scene, report.start.deepest_a), body_label(scene, report.start.deepest_b),
                         report.start.deepest_m, kMaxOverlapAtStart_m));
   if (report.start.contacts > report.capacity.global_contacts)

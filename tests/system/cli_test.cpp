@@ -245,13 +245,13 @@ TEST_CASE("a device that is not there is one line and exit 3, for run and for hi
 TEST_CASE("config check lists every mistake: of the file, of the scene, device and budget that it names") {
   const std::string file = temporary(".toml");
   std::ofstream(file) << "scene = \"/nowhere.toml\"\n[device]\nname = \"can:can0\"\nfile = \"/nodevice.toml\"\n"
-                         "[cores]\nhaptic = 4000\n[limits]\nbudget = \"/nobudget.json\"\n[control]\n"
+                         "[cores]\nhaptic = 1000\n[limits]\nbudget = \"/nobudget.json\"\n[control]\n"
                          "socket = \"control\"\nre_arm = true\n";
   const Output output = run("config check " + file);
   INFO(output.err);
   CHECK(output.exit_code == 2);
   CHECK(lines(output.err) == 6);
-  for (const char* says : {"/nowhere.toml", "/nodevice.toml", "has no core 4000", "/nobudget.json", "no place for a",
+  for (const char* says : {"/nowhere.toml", "/nodevice.toml", "has no core 1000", "/nobudget.json", "no place for a",
                            "re_arm: not a key, did you mean rearm?"})
     CHECK_THAT(output.err, Contains(says));
   const auto json = nlohmann::json::parse(run("config check --json " + file).out);

@@ -188,7 +188,7 @@ def alone(done):
 BORDER_RATIOS = (2, 8, 16)
 BORDER_CAPS = {"two_cubes": (2,), "stack20_foot": (10, 2), "pull_bottom": (6, 2), "table": (6, 3, 2), "seesaw": (4, 2), "crib": (16, 4),
                "plate_on_balls": (16, 4), "portal": (4, 2), "heavy": (4, 2), "block_row": (4, 2), "pyramid_top": (4, 2), "hit": (4, 2),
-               "hanging": (4, 2), "pendulum_cut": (4, 3, 2), "thousand": (6, 2), "cradle": (3, 2), "knock": (2,), "billiard": (4, 2), "drop": (3, 2)}
+               "hanging": (4, 2), "pendulum_cut": (4, 3, 2), "thousand": (6, 2), "cradle": (3, 2), "knock": (2,), "billiard": (4, 2), "drop": (3, 2), "tray": (4, 2), "whip": (5, 2)}
 BORDER = "experiment energy-loss --seeds 0 --whole 20 --scene tests/border/{scene}.toml --members {members} --ratios 2,8,16 --borders ghost"
 FORCE_THAT_IS_FELT = 0.05
 

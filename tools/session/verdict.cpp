@@ -140,7 +140,7 @@ RunRuling border_of(const RunSummary& s) {
           .degraded_above = 1,
           .bad_above = 10,
           .found = fmt::format("the border had nothing left to give in {} of {} ticks", ticks, s.stats.ticks),
-          .remedy = "more --members, a lower --ratio, or --border capped"};
+          .remedy = "more --members, or a lower --ratio"};
 }
 
 std::string capacity_words(std::uint32_t bits) {

@@ -277,7 +277,8 @@ physics::StepReport SubWorld::step_world(const physics::StepSettings& settings, 
     state_.tank.settle(before_J - border_work_J());
     state_.push_out_J += report.push_out_J;
     state_.cycle_push_out_J += report.push_out_J;
-    if (state_.tank.empty()) result.status |= kBorderSpent;
+    const bool has_border = !world_.border_contacts().empty() || !world_.border_ghosts().empty();
+    if (has_border && state_.tank.empty()) result.status |= kBorderSpent;
   }
   if (report.capacity_bits != 0) result.status |= kCapacityExceeded;
   if (report.cut_sweep != physics::kNeverCut) result.status |= kSolverCut;

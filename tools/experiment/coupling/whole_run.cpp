@@ -44,10 +44,16 @@ double turned(const Body& a, const Body& b) {
 double off(const Body& a, const Body& b) { return norm(a.motion.pose.position - b.motion.pose.position); }
 
 // Recording of one run, tick by tick, for the comparison and the direct run.
+// Bodies after kCompareEvery ticks times `comparison`.
+struct PosesAt {
+  std::size_t comparison;
+  std::vector<Body> bodies;
+};
+
 struct Trace {
   std::vector<Vec3d> force;
   std::vector<haptics::DeviceTarget> target;
-  std::vector<std::vector<Body>> poses;  // every kCompareEvery ticks
+  std::vector<PosesAt> poses;
   std::vector<Body> end;
   double deepest_m{0}, kinetic_J{0}, kinetic_over_work{0}, gain_J{0}, rise_J{0}, unexplained_J{0}, work_J{0};
   EnergyAccount account;
@@ -130,7 +136,7 @@ class WholeRun {
         trace.gain_J = std::max(trace.gain_J, beyond_work_J - start_J);
         trace.rise_J = std::max(trace.rise_J, beyond_work_J - least_J);
         trace.unexplained_J = std::max(trace.unexplained_J, beyond_work_J - least_with_stores_J);
-        if (k % kCompareEvery == 0) trace.poses.push_back(bodies);
+        if (k % kCompareEvery == 0) trace.poses.push_back({k / kCompareEvery, bodies});
       }
       const haptics::SubWorldStep& step = worlds.tick(trace.target.back());
       on_device_ = step.on_device;
@@ -212,14 +218,14 @@ bool has_fallen(const Body& start, const Body& end, double extent) {
 void compare_poses(const Trace& run, const Trace& direct, WholeRunRow& row) {
   row.pose_off_m = farthest(run.end, direct.end);
   row.pose_off_most_m = row.pose_off_m;
-  const std::size_t compared = std::min(run.poses.size(), direct.poses.size());
-  for (std::size_t i = 0; i < compared; ++i)
-    row.pose_off_most_m = std::max(row.pose_off_most_m, farthest(run.poses[i], direct.poses[i]));
-  if (compared > 0) {
-    const std::size_t at = compared * 3 / 4;
-    row.drift_m = row.pose_off_m - farthest(run.poses[at], direct.poses[at]);
-  }
-  const Standing standing = judge_standing(direct.poses.front(), direct.end, run.end);
+  // Poses of the run are known at its synchronisations, those of the direct run at every comparison.
+  const auto off_at = [&](const PosesAt& at) { return farthest(at.bodies, direct.poses[at.comparison].bodies); };
+  std::size_t compared = 0;
+  while (compared < run.poses.size() && run.poses[compared].comparison < direct.poses.size()) ++compared;
+  for (const PosesAt& at : std::span(run.poses).first(compared))
+    row.pose_off_most_m = std::max(row.pose_off_most_m, off_at(at));
+  if (compared > 0) row.drift_m = row.pose_off_m - off_at(run.poses[compared * 3 / 4]);
+  const Standing standing = judge_standing(direct.poses.front().bodies, direct.end, run.end);
   row.standing = standing.standing;
   row.fallen = static_cast<unsigned>(standing.fell.size());
   row.pose_off_share = standing.most_off_share;
@@ -395,7 +401,7 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
           row.members = members > 0 ? members : scene.members;
           row.gains = gains;
           if (request.keep_bodies) {
-            row.start = direct.trace().poses.front();
+            row.start = direct.trace().poses.front().bodies;
             row.direct_end = direct.trace().end;
             row.end = std::move(run.end);
           }

@@ -48,15 +48,27 @@ TEST_CASE("What goes beyond what is available is owed, and paid before anything 
   CHECK(tank.owed_J == 0);
 }
 
-TEST_CASE("What the damper took fills the tank up to the amount at the start, no further") {
+TEST_CASE("A share of the outside bodies' kinetic energy may be owed, and stays owed when they have come to rest") {
+  BorderTank tank;
+  tank.start(0.01);
+  tank.lend(0.4);
+  CHECK(tank.available_J() == Approx(0.01 + 0.4 * BorderTank::kCreditShare));
+  tank.settle(-0.1);
+  CHECK(!tank.empty());
+  tank.lend(0);
+  CHECK(tank.empty());
+  CHECK(tank.available_J() == Approx(-0.09));
+}
+
+TEST_CASE("What was dissipated fills the tank up to the amount at the start, no further") {
   BorderTank tank;
   tank.start(-0.002);
-  tank.refill(0.005, 0.01);
+  CHECK(tank.refill(0.005, 0.01) == Approx(0.005));
   CHECK(tank.stored_J == Approx(0.003));
-  tank.refill(0.02, 0.01);
+  CHECK(tank.refill(0.02, 0.01) == Approx(0.007));
   CHECK(tank.stored_J == Approx(0.01));
   tank.settle(0.05);
-  tank.refill(0.02, 0.01);
+  CHECK(tank.refill(0.02, 0.01) == 0);
   CHECK(tank.stored_J == Approx(0.06));
 }
 

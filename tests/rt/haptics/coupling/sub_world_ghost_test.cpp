@@ -281,8 +281,32 @@ TEST_CASE("The tank pays what corrections give to members, and gets what they ta
     const double v0 = before.velocity.linear.z, v1 = after.velocity.linear.z;
     const double given_J = kMass * (0.5 * (v1 * v1 - v0 * v0) + 9.81 * up * 1e-3);
     CHECK(bench.sub_world.corrected_J() == Approx(given_J));
-    CHECK(bench.sub_world.border_tank_J() == Approx(kFullTank_J - given_J));
+    // Semi-implicit Euler loses m g^2 h^2 / 2 a sub-step in free fall: dissipated, so it fills a tank that has room.
+    const double h = config.step.dt / config.step.sub_steps;
+    const double lost_J = 5 * config.step.sub_steps * 0.5 * kMass * 9.81 * 9.81 * h * h;
+    CHECK(bench.sub_world.border_tank_J() == Approx(kFullTank_J - given_J + (given_J > 0 ? lost_J : 0)));
   }
+}
+
+TEST_CASE("What members dissipate between them fills the tank") {
+  Bench bench(ghost_config());
+  Body resting = ball(1, {0, 0, 1}), meets = ball(2, {3 * kRadius, 0, 1});
+  meets.motion.velocity.linear = {-1, 0, 0};
+  bench.next_with({resting, meets});
+  bench.synchronise();
+  bench.step(5);
+  bench.next({1, 2});
+  bench.snapshot->border_work_J = -kFullTank_J;
+  bench.synchronise();
+  CHECK(bench.sub_world.border_tank_J() == Approx(0).margin(1e-12));
+  bench.snapshot->border_work_J = 0;
+  for (int cycle = 0; cycle < 20; ++cycle) {  // they meet, and go on together: half of the kinetic energy is lost
+    bench.step(5);
+    bench.next({1, 2});
+    bench.synchronise();
+  }
+  CHECK(norm(bench.motion(1).velocity.linear - bench.motion(2).velocity.linear) < 0.1);
+  CHECK(bench.sub_world.border_tank_J() == Approx(kFullTank_J));
 }
 
 TEST_CASE("A filtered replay pushes as a replay while its tank lasts, and puts no more in than that") {

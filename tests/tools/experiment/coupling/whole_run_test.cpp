@@ -14,12 +14,14 @@ namespace {
 
 std::vector<WholeRunRow> runs_of(const std::string& name, const std::vector<unsigned>& ratios,
                                  const std::vector<unsigned>& members, double seconds,
-                                 physics::BorderMode border = physics::BorderMode::kGhost) {
+                                 physics::BorderMode border = physics::BorderMode::kGhost,
+                                 WholeRunHand hand = WholeRunHand::kClosed) {
   auto scene = sim::load_scene(TACTUS_SOURCE_DIR "/tests/border/" + name + ".toml");
   REQUIRE(scene.ok());
   WholeRunRequest request;
   request.scenes.push_back(std::move(scene).value());
   for (const unsigned ratio : ratios) request.schemes.push_back({haptics::CouplingScheme::kSubWorld, border, ratio});
+  request.hands = {hand};
   request.members = members;
   request.seconds = seconds;
   auto rows = run_whole(request, {});
@@ -46,7 +48,8 @@ TEST_CASE("What rests on members stands as in the direct run, nobody touching it
 }
 
 TEST_CASE("What tips, rolls, hangs across the border or is hit is felt as in the direct run, at every ratio") {
-  // Force error at ratios 2 and 8, and at 16; impacts within 10 % (drop, billiard; the cradle is below).
+  // Force error at ratios 2 and 8, and at 16; impacts within 10 % (drop, billiard; the cradle is below). The direct run
+  // of whip is off by 3 % of one with twice the sub-steps.
   const auto [scene, most, most_at_16] = GENERATE(table<std::string, double, double>({{"seesaw", 0.02, 0.05},
                                                                                       {"crib", 0.02, 0.05},
                                                                                       {"plate_on_balls", 0.02, 0.05},
@@ -54,6 +57,8 @@ TEST_CASE("What tips, rolls, hangs across the border or is hit is felt as in the
                                                                                       {"pendulum_cut", 0.02, 0.05},
                                                                                       {"hit", 0.02, 0.05},
                                                                                       {"pyramid_top", 0.02, 0.05},
+                                                                                      {"tray", 0.02, 0.05},
+                                                                                      {"whip", 0.03, 0.06},
                                                                                       {"drop", 0.1, 0.1},
                                                                                       {"billiard", 0.1, 0.1}}));
   for (const WholeRunRow& row : runs_of(scene, {2, 8, 16}, {0, 4}, 3)) {
@@ -65,6 +70,21 @@ TEST_CASE("What tips, rolls, hangs across the border or is hit is felt as in the
     CHECK(row.energy_gain_J - row.direct_energy_gain_J < 1e-2 * row.energy_at_play_J);
     CHECK(row.account.spent_share < 0.1);
   }
+}
+
+// With the border of two steps later and bodies of now the proxy jumped by 2.5 mm at the first synchronisation.
+TEST_CASE("A scene that does not start at rest creates no energy in its first cycles") {
+  for (const WholeRunRow& row :
+       runs_of("tray", {2, 8, 16}, {4, 2}, 1, physics::BorderMode::kGhost, WholeRunHand::kNone)) {
+    INFO("ratio " << row.scheme.ratio << ", " << row.members << " members: " << row.energy_unexplained_J << " J of "
+                  << row.energy_at_play_J << " J, " << 1e3 * row.deepest_m << " mm");
+    CHECK(row.energy_unexplained_J - row.direct_energy_unexplained_J < 1e-3 * row.energy_at_play_J);
+    CHECK(row.pose_off_most_m < 5e-4);
+  }
+}
+
+TEST_CASE("Poses are compared at equal times, also at ratios that do not divide the time between comparisons") {
+  for (const WholeRunRow& row : runs_of("two_cubes", {3, 7, 16}, {2}, 2)) CHECK(row.pose_off_most_m < 1e-4);
 }
 
 // In a cycle of 16 ms a ball that is hit meets the next one, which is outside: 10.4 % with three members, 18 % with
