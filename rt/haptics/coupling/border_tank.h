@@ -11,7 +11,7 @@
 // potential energy without moving at the end of any sub-step.
 //
 // In a sub-step the contact rows supply at most what is stored (BorderSolver::keep_within_tank); with an empty tank
-// they only take energy. Joints (by what they supply in the tick that empties it), what is settled at the
+// they only take energy. Joints (by what they supply in the sub-step that empties it), what is settled at the
 // synchronisation, and outside bodies that take energy, may exceed what is stored: the excess is owed and repaid first.
 // Outside bodies in motion do work on members, which the balance knows only at the end of the cycle. So the border may
 // owe kCreditShare of their kinetic energy K (WorldSnapshot::outside_motion_J). That is bounded, too: if G is what

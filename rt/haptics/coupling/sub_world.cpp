@@ -79,8 +79,8 @@ double SubWorld::members_J() const noexcept {
 // What members received in the cycle and do not have any more, was dissipated between them. A contact's spring gives
 // back what it took; so less than nothing is carried on, and more than the tank's initial amount is not.
 void SubWorld::note_dissipation() noexcept {
-  state_.dissipated_J = std::min(border_.tank_at_start_J, state_.dissipated_J + received_J() - members_J() -
-                                                              state_.received_at_start_J);
+  state_.dissipated_J =
+      std::min(border_.tank_at_start_J, state_.dissipated_J + received_J() - members_J() - state_.received_at_start_J);
 }
 
 // Settles the last cycle with the tank. The first snapshot's work is that of a step before there were members. A border
