@@ -141,9 +141,10 @@ TEST_CASE("random worlds with a sub-world: small bodies that stood still at the 
   }
 }
 
-// A ball of 1 g and 1.3 mm between others, on which the hand presses with 1 N, leaves its place 0.2 s later than in the
-// direct run, and comes to rest 0.9 of its size from there.
-TEST_CASE("random worlds with a sub-world: a small ball that is struck does not fall", "[!shouldfail]") {
+// A ball of 1 g and 1.3 mm between others, on which the hand presses with 1 N. While the border's tank did not get what
+// members dissipate, it left its place 0.2 s later than in the direct run, and fell.
+TEST_CASE("random worlds with a sub-world: a small ball that is struck does not fall") {
   const auto trial = try_random_world(119);
+  REQUIRE(trial.ok());
   CHECK_FALSE(trial.value().still_falls());
 }
