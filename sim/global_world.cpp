@@ -210,7 +210,7 @@ void GlobalWorld::reset(std::span<const SubWorldReport* const> reports) {
 
 // Without impulses in the first snapshot, members that rest on outside bodies or hang on them would fall in the first
 // cycle. So the world takes a few steps, the loads at their border and the joints' efforts are kept, and the state is
-// restored: the outside bodies are where they were, and move as they did.
+// restored. Ghosts begin where their bodies are, and move as these do.
 namespace {
 
 // Moves the outside body's side of a border from the pose `then` to the body's present motion; loads stay.
@@ -248,8 +248,10 @@ void GlobalWorld::predict_border(std::uint32_t device, WorldSnapshot& first) noe
   if (const auto* joints = world_.effects().find<physics::Joints>())
     states.assign(joints->states().begin(), joints->states().end());
   restore_world(world);
-  for (const Body& body : then)
-    if (const Body* now = std::as_const(world_).find(body.id)) bring_back(body.motion.pose, *now, first);
+  if (border_.ghosts) {
+    for (const Body& body : then)
+      if (const Body* now = std::as_const(world_).find(body.id)) bring_back(body.motion.pose, *now, first);
+  }
   if (auto* joints = world_.effects().find<physics::Joints>()) {
     joints->start_from(states);
     (void)haptics::write_effects(world_, member_slots(devices_[device]), first.effects);  // fits, as before
