@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "rt/haptics/coupling/snapshot_bytes.h"
+#include "rt/physics/body_search.h"
 #include "rt/physics/macro_steps.h"
 #include "sim/exchange/sub_world_config.h"
 #include "sim/model/scene_effects.h"
@@ -65,6 +66,27 @@ Vec3d clamp_norm(const Vec3d& v, double length) noexcept {
 
 double energy_of(const Body& body, const Vec3d& gravity) noexcept {
   return kinetic_energy(body) - body.mass * body.gravity_scale * dot(gravity, body.motion.pose.position);
+}
+
+// Moves the outside bodies' side of a border from the poses of `then` to the present motions of `now`; loads stay. A
+// body that is not among both is asleep, and stays where it is.
+void bring_back(std::span<const Body> then, std::span<const Body> now, WorldSnapshot& border) noexcept {
+  const auto both = [&](BodyId id, auto&& move) noexcept {
+    const std::uint32_t before = physics::find_slot(then, id), at = physics::find_slot(now, id);
+    if (before != physics::kNoSlot && at != physics::kNoSlot) move(then[before].motion.pose, now[at].motion);
+  };
+  for (haptics::BorderPoint& point : border.border)
+    both(point.outside, [&](const Posed& from, const physics::BodyMotion& to) noexcept {
+      const Vec3d to_centre = point.outside_round_m * point.normal;
+      const Vec3d anchor = rotate_inverse(from.rotation, point.outside_point - to_centre - from.position);
+      point.outside_point = to.pose * anchor + to_centre;
+      point.outside_velocity = to.velocity.linear + cross(to.velocity.angular, point.outside_point - to.pose.position);
+    });
+  for (haptics::OutsideBody& outside : border.outside)
+    both(outside.id, [&](const Posed&, const physics::BodyMotion& to) noexcept {
+      outside.centre = to.pose.position;
+      outside.velocity = to.velocity;
+    });
 }
 
 }  // namespace
@@ -211,27 +233,6 @@ void GlobalWorld::reset(std::span<const SubWorldReport* const> reports) {
 // Without impulses in the first snapshot, members that rest on outside bodies or hang on them would fall in the first
 // cycle. So the world takes a few steps, the loads at their border and the joints' efforts are kept, and the state is
 // restored. Ghosts begin where their bodies are, and move as these do.
-namespace {
-
-// Moves the outside body's side of a border from the pose `then` to the body's present motion; loads stay.
-void bring_back(const Posed& then, const Body& now, WorldSnapshot& border) noexcept {
-  const auto& [pose, velocity] = now.motion;
-  for (haptics::BorderPoint& point : border.border) {
-    if (point.outside != now.id) continue;
-    const Vec3d to_centre = point.outside_round_m * point.normal;
-    const Vec3d anchor = rotate_inverse(then.rotation, point.outside_point - to_centre - then.position);
-    point.outside_point = pose * anchor + to_centre;
-    point.outside_velocity = velocity.linear + cross(velocity.angular, point.outside_point - pose.position);
-  }
-  for (haptics::OutsideBody& outside : border.outside) {
-    if (outside.id != now.id) continue;
-    outside.centre = pose.position;
-    outside.velocity = velocity;
-  }
-}
-
-}  // namespace
-
 void GlobalWorld::predict_border(std::uint32_t device, WorldSnapshot& first) noexcept {
   const std::vector<std::byte> world = saved_world();
   const IslandManager islands = islands_;
@@ -248,10 +249,7 @@ void GlobalWorld::predict_border(std::uint32_t device, WorldSnapshot& first) noe
   if (const auto* joints = world_.effects().find<physics::Joints>())
     states.assign(joints->states().begin(), joints->states().end());
   restore_world(world);
-  if (border_.ghosts) {
-    for (const Body& body : then)
-      if (const Body* now = std::as_const(world_).find(body.id)) bring_back(body.motion.pose, *now, first);
-  }
+  if (border_.ghosts) bring_back(then, std::as_const(world_).bodies(), first);
   if (auto* joints = world_.effects().find<physics::Joints>()) {
     joints->start_from(states);
     (void)haptics::write_effects(world_, member_slots(devices_[device]), first.effects);  // fits, as before

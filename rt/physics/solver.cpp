@@ -222,8 +222,9 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
     context.sub_step = j;
     for (auto& spring : springs_) spring.release();
     border_.begin_sub_step(j, state());
-    run_stages(input, Phase::kBeginSubStep, context);  // joints' work of the last sub-step is known
-    context.ghosts_may_supply = border_.may_supply(report.border_joints_J) && input.border_rule.available_J > 0.0;
+    run_stages(input, Phase::kBeginSubStep, context);
+    border_.count_joints(report.border_joints_J);
+    context.ghosts_may_supply = border_.may_supply() && input.border_rule.available_J > 0.0;
     run_stages(input, Phase::kForces, context);
     apply_wrenches(input, h);
     border_.apply_replay(state());

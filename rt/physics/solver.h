@@ -49,7 +49,8 @@ template <class S>
 struct NoBorder {
   explicit NoBorder(std::uint32_t) noexcept {}
   void begin_sub_step(std::uint32_t, SolverBodies<S>) noexcept {}
-  bool may_supply(double) noexcept { return false; }
+  void count_joints(double) noexcept {}
+  bool may_supply() const noexcept { return false; }
   void apply_replay(SolverBodies<S>) noexcept {}
   void warm_start(SolverBodies<S>) noexcept {}
   void solve(SolverBodies<S>, const SweepRule<S>&, bool) noexcept {}

@@ -10,9 +10,9 @@
 // correction (rt/physics/push_out.h), which W_global contains, too: what rests on a border that gives way loses
 // potential energy without moving at the end of any sub-step.
 //
-// In a sub-step the contact rows supply at most what is stored (BorderSolver::keep_within_tank); with an empty tank
-// they only take energy. Joints (by what they supply in the sub-step that empties it), what is settled at the
-// synchronisation, and outside bodies that take energy, may exceed what is stored: the excess is owed and repaid first.
+// In a sub-step the contact rows supply at most what is available (BorderSolver::keep_within_tank); with nothing
+// available they only take energy. Joints (by what they supply in the sub-step that empties the tank), what is settled
+// at the synchronisation, and outside bodies that take energy, may exceed it: the excess is owed and repaid first.
 // Outside bodies in motion do work on members, which the balance knows only at the end of the cycle. So the border may
 // owe kCreditShare of their kinetic energy K (WorldSnapshot::outside_motion_J). That is bounded, too: if G is what
 // border and corrections supplied beyond the outside bodies' work, E_0 the initial amount and K_0 the kinetic energy

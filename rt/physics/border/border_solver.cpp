@@ -249,23 +249,22 @@ void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymM
   if (work_of(row, body) > allowed) take_back(1.0, 1.0);
 }
 
-// Fills the rows' work in this sub-step, and returns the sum of the positive ones [J].
-double BorderSolver::find_works(SolverBodies<double> bodies) noexcept {
-  double given{};
+// Fills the rows' work in this sub-step.
+BorderSolver::Works BorderSolver::find_works(SolverBodies<double> bodies) noexcept {
+  Works works;
   for (Row& row : rows_) {
     if (!row.active) continue;
     row.sub_step_work = row.presses() ? work_of(row, bodies.motion[row.slot]) : 0.0;
-    given += std::max(0.0, row.sub_step_work);
+    works.given += std::max(0.0, row.sub_step_work);
+    works.sum += row.sub_step_work;
   }
-  return given;
+  return works;
 }
 
 // Limits the energy that rows put into members to what is left of the available energy. Rows that take energy out are
 // not reduced. Leaves the rows' work known.
 void BorderSolver::keep_within_tank(SolverBodies<double> bodies) noexcept {
-  const double given = find_works(bodies);
-  double sum{};
-  for (const Row& row : rows_) sum += row.active ? row.sub_step_work : 0.0;
+  const auto [given, sum] = find_works(bodies);
   if (sum <= left_J() || !(given > 0.0)) return;
   const double share = std::max(0.0, left_J()) / given;
   for (Row& row : rows_) {

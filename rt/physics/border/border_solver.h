@@ -41,12 +41,13 @@ class BorderSolver {
   void prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, std::span<const Body> bodies,
                SolverBodies<double> solver_bodies, const BorderStep& step) noexcept;
   void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves
-  // True if some energy is left for this sub-step. `by_joints_J`: work of joints to outside bodies so far in the step;
-  // what they have taken is left for the next step.
-  bool may_supply(double by_joints_J) noexcept {
+  // Call in every sub-step, once joints' work is known: decides whether contacts may supply energy in it.
+  // `by_joints_J`: work of joints to outside bodies so far in the step; what they have taken is left for the next step.
+  void count_joints(double by_joints_J) noexcept {
     by_joints_J_ = std::max(0.0, by_joints_J);
-    return may_supply_ = left_J() > 0.0;
+    may_supply_ = left_J() > 0.0;
   }
+  bool may_supply() const noexcept { return may_supply_; }
   void apply_replay(SolverBodies<double> bodies) noexcept;
   void warm_start(SolverBodies<double> bodies) noexcept;
   void solve(SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
@@ -124,7 +125,10 @@ class BorderSolver {
   Vec3d impulse_of(const Row& row) const noexcept;
   double work_of(const Row& row, const SolverBody<double>& body) const noexcept;
   void take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia, double allowed) noexcept;
-  double find_works(SolverBodies<double> bodies) noexcept;
+  struct Works {
+    double given{}, sum{};  // J, of all rows in this sub-step: of those that are positive; of all
+  };
+  Works find_works(SolverBodies<double> bodies) noexcept;
   void keep_within_tank(SolverBodies<double> bodies) noexcept;
   void solve_friction_point(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
                             bool biased) noexcept;
