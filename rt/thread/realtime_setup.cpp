@@ -249,4 +249,15 @@ std::vector<int> allowed_cpus() {
   return cpus;
 }
 
+bool may_stay_on(int cpu) noexcept {
+  if (cpu < 0 || cpu >= CPU_SETSIZE) return false;
+  cpu_set_t before, wanted;
+  CPU_ZERO(&wanted);
+  CPU_SET(static_cast<unsigned>(cpu), &wanted);
+  if (sched_getaffinity(0, sizeof before, &before) != 0) return false;
+  if (sched_setaffinity(0, sizeof wanted, &wanted) != 0) return false;
+  sched_setaffinity(0, sizeof before, &before);
+  return true;
+}
+
 }  // namespace tactus::loop

@@ -83,8 +83,12 @@ bool has_capability(unsigned capability) noexcept;
 
 bool kernel_is_preempt_rt() noexcept;
 
-// Cores on which this process may run, ascending; empty: unknown. [setup]; allocates.
+// Cores on which the scheduler may put this process, ascending; empty: unknown. [setup]; allocates.
 std::vector<int> allowed_cpus();
+
+// True if the calling thread could stay on this core: it is online and in the cpuset. A core isolated at boot is not
+// among allowed_cpus(), and may be one. The thread's own cores are the same afterwards. [setup]
+bool may_stay_on(int cpu) noexcept;
 
 static_assert(std::is_trivially_copyable_v<SetupReport>);
 

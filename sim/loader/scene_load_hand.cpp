@@ -188,7 +188,8 @@ void HandReader::check_path(text::TableReader& hand, const char* key, BodyId pro
     hand.mistake(key, "repeats, and does not end where it begins", "a last pose like the first, or repeat = false");
   if (norm(first.position_m - start) > 1e-3)
     hand.warning(key, fmt::format("begins {:.3g} m from the proxy", norm(first.position_m - start)),
-                 fmt::format("a first {} at the proxy's position_m", script_->file.empty() ? "way point" : "row"));
+                 fmt::format("a first {} at the proxy's centre of mass, [{:.6g}, {:.6g}, {:.6g}]",
+                             script_->file.empty() ? "way point" : "row", start.x, start.y, start.z));
 }
 
 }  // namespace tactus::sim

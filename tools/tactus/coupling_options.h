@@ -29,11 +29,13 @@ struct CouplingOptions {
 // Help text of both: the terms of a whole run. The rule of `stands` is experiment::StandingRule.
 inline constexpr const char* kWholeRunsHelp =
     "--whole SECONDS also compares whole runs, from rest, with the scene's own hand; --seeds 0 omits the windows:\n"
-    "With --hands none the direct run has no device either: gain is what the coupling itself creates. Terms:\n"
+    "With --hands none the direct run has no device either: gain is then what the coupling creates. Terms:\n"
     "  by quarter    force error of each quarter of the run, relative to the force of the whole run\n"
     "  off, most     distance of the farthest body from its place in the direct run: at the end, at any time\n"
     "  gain          kinetic and potential energy beyond the start and the hand's work, less that of the direct\n"
-    "                run, as a share of the energy at play: the hand's work and each body's weight times its extent\n"
+    "                run, as a share of the energy at play: the hand's work and each body's weight times its extent.\n"
+    "                Motors, kinematic bodies, attraction and restitution also do work: with them gain is the\n"
+    "                difference of that work between the two runs too, and no measure of energy from nothing\n"
     "  spent         ticks in which the border's energy tank is empty: from there on it only takes. --json and --csv\n"
     "                list the energy of the device, the border, the corrections and the global world\n"
     "  stands        no body falls, and the force is finite and never above 10 kN (else the run is lost and ends).\n"

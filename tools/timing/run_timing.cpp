@@ -10,6 +10,7 @@
 
 #include "hal/device_class.h"
 #include "rt/base/clock.h"
+#include "rt/thread/realtime_setup.h"
 #include "sim/loader/scene_load.h"
 #include "tools/caught.h"
 #include "tools/session/find_description.h"
@@ -214,6 +215,12 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
                                        const WindowWatcher& visitor) {
   TimingOptions options = given;
   if (options.run.cpu < 0) options.run.cpu = cores_without(-1).back();
+  if (!loop::may_stay_on(options.run.cpu)) {
+    problem = {false, fmt::format("--cpu: this program cannot stay on core {}; accepted: a core that is online and in "
+                                  "its cpuset, such as {}",
+                                  options.run.cpu, cores_without(-1).back())};
+    return std::nullopt;
+  }
   keep_unforced(options);
   std::string scene_text;
   auto scene = scene_of(options, scene_text, problem);

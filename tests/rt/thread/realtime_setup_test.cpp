@@ -303,6 +303,14 @@ TEST_CASE("the allowed CPUs are those that the scheduler may choose from, ascend
   for (const int cpu : cpus) CHECK(CPU_ISSET(static_cast<unsigned>(cpu), &set));
 }
 
+TEST_CASE("a thread may stay on each allowed CPU, not on one that does not exist, and its own CPUs stay the same") {
+  const std::vector<int> before = allowed_cpus();
+  for (const int cpu : before) CHECK(may_stay_on(cpu));
+  for (const int cpu : {-1, static_cast<int>(sysconf(_SC_NPROCESSORS_CONF)), CPU_SETSIZE, 1 << 20})
+    CHECK_FALSE(may_stay_on(cpu));
+  CHECK(allowed_cpus() == before);
+}
+
 TEST_CASE("no capability is left without root's rights", "[loop]") {
   TACTUS_NEEDS(geteuid() == 0, "needs root, to give its rights up");
   CHECK(in_own_process([](Claims& claims) {

@@ -355,7 +355,7 @@ TEST_CASE("the hand's path begins at the proxy, or there is a warning, without a
   REQUIRE(rests.hand.path.size() == 1);
   CHECK(rests.hand.path[0].position_m == Vec3d{1, 2, 3});
   CHECK_THAT(diagnose("[hand]\npath = [{time_s = 0, position_m = [1, 2, 3.5]}]" + proxy).warning_message(),
-             Contains("begins 0.5 m from the proxy"));
+             Contains("begins 0.5 m from the proxy") && Contains("the proxy's centre of mass, [1, 2, 3]"));
   CHECK(diagnose("[hand]\npath = [{time_s = 0, position_m = [1, 2, 3]}]" + proxy).warnings.empty());
 }
 

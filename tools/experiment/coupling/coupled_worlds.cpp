@@ -26,14 +26,14 @@ CoupledWorlds::CoupledWorlds(const sim::Scene& scene, const session::RunOptions&
   if (is_direct || at_rest_.size() <= haptics::kMaxMembers)
     config_.capacities = session::loop_config(scene, direct, device).sub_world.capacities;
   sub_world_ = std::make_unique<haptics::SubWorld>(config_, fixed);
-  report_ = std::make_unique<haptics::SubWorldReport>();
-  for (auto& snapshot : snapshots_) snapshot = std::make_unique<haptics::WorldSnapshot>();
-  if (!is_direct) global_ = std::make_unique<sim::GlobalWorld>(scene, session::global_options(scene, options, device));
+  if (is_direct) return;
+  global_ = std::make_unique<sim::GlobalWorld>(scene, session::global_options(scene, options, device));
+  server_.emplace(*global_, exchange_);
 }
 
 void CoupledWorlds::start_at_rest() {
   if (exchanges())
-    global_->first_snapshot(*snapshots_[0]);
+    server_->publish_first();
   else
     sub_world_->set_members(at_rest_);
 }
@@ -48,16 +48,17 @@ void CoupledWorlds::start_from(const WorldKeyframe& before, const WorldKeyframe&
   }
   on_proxy_before_ = on_proxy;
   global_->set_state(before.bodies, before.contacts);
-  *report_ = {};
-  report_->mean_device_wrench = on_proxy;
-  report_->device = device_that_holds(before, on_proxy);
-  global_->impose(0, *report_);
-  haptics::WorldSnapshot& first = *snapshots_[0];
+  haptics::SubWorldReport& report = exchange_.reports.writing(0);
+  report = {};
+  report.mean_device_wrench = on_proxy;
+  report.device = device_that_holds(before, on_proxy);
+  global_->impose(0, report);
+  haptics::WorldSnapshot& first = exchange_.snapshots.writing(0);
   if (coupling_.model ==
       haptics::LocalModel::kInterpolatedProxy) {  // which interpolates from the proxy's pose one cycle ago
     global_->fill_snapshot(0, 1, haptics::kMaxMembers, first);
     first.warm_starts.clear();
-    sub_world_->synchronise(first, *report_);
+    sub_world_->synchronise(first, report);
   }
   global_->advance();
   global_->set_state(now.bodies, {});
@@ -65,7 +66,8 @@ void CoupledWorlds::start_from(const WorldKeyframe& before, const WorldKeyframe&
   first.cycle = 0;
   first.warm_starts.clear();  // the members already exist, with their contact impulses
   device_before_ = device_that_holds(now, on_proxy);
-  if (coupling_.proxy_planes > 0) sub_world_->synchronise(first, *report_);  // planes of the previous cycle
+  if (coupling_.proxy_planes > 0) sub_world_->synchronise(first, report);  // planes of the previous cycle
+  exchange_.snapshots.publish(0);
 }
 
 // Target of a device that moves with the proxy and exerts this wrench.
@@ -82,11 +84,12 @@ haptics::DeviceTarget CoupledWorlds::device_that_holds(const WorldKeyframe& at, 
 
 // Removes the proxy and adds it again at the new place with its former contacts.
 void CoupledWorlds::shift_proxy(const WorldKeyframe& now, const Vec3d& shift) {
-  haptics::WorldSnapshot& snapshot = *snapshots_[0];
+  haptics::WorldSnapshot& snapshot = exchange_.snapshots.writing(0);  // without a global world, nobody reads it
+  haptics::SubWorldReport& report = exchange_.reports.writing(0);
   snapshot = {};
   for (const auto& body : now.bodies)
     if (body.id != config_.proxy) TACTUS_CHECK(snapshot.members.try_push(body.id), body.id, 0);
-  sub_world_->synchronise(snapshot, *report_);
+  sub_world_->synchronise(snapshot, report);
   snapshot.members.clear();
   for (const auto& body : now.bodies) {
     TACTUS_CHECK(snapshot.members.try_push(body.id), body.id, 0);
@@ -98,30 +101,30 @@ void CoupledWorlds::shift_proxy(const WorldKeyframe& now, const Vec3d& shift) {
   for (const auto& contact : now.contacts)
     if (contact.key.low() == config_.proxy || contact.key.high() == config_.proxy)
       (void)snapshot.warm_starts.try_push(contact);
-  sub_world_->synchronise(snapshot, *report_);
+  sub_world_->synchronise(snapshot, report);
 }
 
 bool CoupledWorlds::at_synchronisation() const noexcept {
-  return !exchanges() || first_ || sub_world_->ticks_in_cycle() >= config_.ratio;
+  return !exchanges() || next_cycle_ == 0 || sub_world_->ticks_in_cycle() >= config_.ratio;
 }
 
 bool CoupledWorlds::synchronise() {
   if (!exchanges() || !at_synchronisation()) return false;
-  const haptics::WorldSnapshot& snapshot = *snapshots_[cycle_ % 2];
-  component_ = snapshot.component;
-  sub_world_->synchronise(snapshot, *report_);
-  report_->member_budget = haptics::kMaxMembers;
-  if (!first_) return true;
-  report_->mean_device_wrench = on_proxy_before_;
-  report_->device = device_before_;
-  first_ = false;
+  const haptics::WorldSnapshot* snapshot = exchange_.snapshots.try_read(next_cycle_);
+  TACTUS_CHECK(snapshot != nullptr, next_cycle_, server_->next_report());  // serve() was called in the last cycle
+  haptics::SubWorldReport& report = exchange_.reports.writing(next_cycle_);
+  component_ = snapshot->component;
+  sub_world_->synchronise(*snapshot, report);
+  report.member_budget = haptics::kMaxMembers;
+  if (next_cycle_ == 0) {
+    report.mean_device_wrench = on_proxy_before_;
+    report.device = device_before_;
+  }
+  exchange_.reports.publish(next_cycle_++);
   return true;
 }
 
-void CoupledWorlds::serve() {
-  ++cycle_;
-  global_->step(*report_, *snapshots_[cycle_ % 2]);
-}
+void CoupledWorlds::serve() { (void)server_->serve(); }
 
 const haptics::SubWorldStep& CoupledWorlds::step(const haptics::DeviceTarget& target) {
   step_ = sub_world_->step(target, config_.step.sub_steps, {});
@@ -160,7 +163,7 @@ void CoupledWorlds::bodies(std::vector<physics::Body>& all) const {
   for (const auto& body : global_->bodies()) {
     const physics::Body* member = coupling_.border || body.id == config_.proxy ? inner.find(body.id) : nullptr;
     all.push_back(member != nullptr ? *member : body);
-    if (member == nullptr && body.id == config_.proxy && !first_) all.back().motion = sub_world_->proxy();
+    if (member == nullptr && body.id == config_.proxy && next_cycle_ > 0) all.back().motion = sub_world_->proxy();
   }
 }
 

@@ -1,18 +1,20 @@
 // The haptic sub-world and the global world of a run, on a virtual clock and in one thread, without device and output
 // path, to measure the effect of the coupling alone on the force.
 //
-// A tick that begins a cycle synchronises, and the global world answers at once, so it is never late. The worlds start
-// at rest, or from the state of a run with direct coupling, contact impulses included. Thread: one. Frame: world.
-// Units: SI. Bound: from another run's state at most haptics::kMaxMembers moving bodies.
+// The worlds exchange as in a run (rt/haptics/coupling/exchange.h, sim/snapshot_server.h). A tick that begins a cycle
+// synchronises, and the global world answers at once, so it is never late. The worlds start at rest, or from the state
+// of a run with direct coupling, contact impulses included. Thread: one. Frame: world. Units: SI. Bound: from another
+// run's state at most haptics::kMaxMembers moving bodies.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "rt/haptics/coupling/exchange.h"
 #include "rt/haptics/coupling/sub_world.h"
 #include "sim/global_world.h"
+#include "sim/snapshot_server.h"
 #include "tools/session/run_options.h"
 
 namespace tactus::experiment {
@@ -35,6 +37,8 @@ class CoupledWorlds {
  public:
   // The options must fit the scene (sim::check_global_options).
   CoupledWorlds(const sim::Scene& scene, const session::RunOptions& options, const haptics::DeviceProperties& device);
+  CoupledWorlds(const CoupledWorlds&) = delete;  // server_ refers to exchange_
+  CoupledWorlds& operator=(const CoupledWorlds&) = delete;
 
   void start_at_rest();
   // `before` is one cycle earlier than `now`: the global world steps from `before`, so that its contacts are as in a
@@ -80,10 +84,9 @@ class CoupledWorlds {
   std::unique_ptr<haptics::SubWorld> sub_world_;
   std::unique_ptr<sim::GlobalWorld> global_;  // null with the direct coupling
   std::vector<physics::Body> at_rest_;
-  std::array<std::unique_ptr<haptics::WorldSnapshot>, 2> snapshots_;
-  std::unique_ptr<haptics::SubWorldReport> report_;
-  std::uint64_t cycle_{0};
-  bool first_{true};
+  haptics::Exchange exchange_;
+  std::optional<sim::SnapshotServer> server_;  // none with the direct coupling
+  std::uint64_t next_cycle_{0};
   Wrenchd on_proxy_before_;              // mean of the cycle before the start
   haptics::DeviceTarget device_before_;  // target that causes this wrench at the start
   std::uint32_t component_{0};

@@ -94,8 +94,10 @@ struct WholeRunRow {
   double drift_m{0};         // pose_off_m at the end minus at three quarters of the run
   double deepest_m{0}, direct_deepest_m{0};  // overlap of two bodies, at any tick of the haptic side or global step
   double kinetic_J{0};                       // largest kinetic energy of all bodies
-  double kinetic_over_work{0};     // kinetic_J divided by the hand's work plus the potential energy released until then
-  double energy_gain_J{0};         // largest excess of kinetic + potential energy over start + hand's work
+  double kinetic_over_work{0};  // kinetic_J divided by the hand's work plus the potential energy released until then
+  // Largest excess of kinetic + potential energy over start + hand's work. Includes the work of motors, kinematic
+  // bodies, attraction and restitution, in both runs.
+  double energy_gain_J{0};
   double direct_energy_gain_J{0};  // same, of the direct run
   // Largest rise of kinetic + potential energy - hand's work above an earlier value; also of the direct run.
   double energy_rise_J{0}, direct_energy_rise_J{0};
