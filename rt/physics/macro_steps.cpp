@@ -17,10 +17,7 @@ double most_along_contact(double radius, const StepSettings& settings) noexcept 
   return std::sqrt(2.0 * settings.slop * radius);
 }
 
-bool rolls(const Shape& shape) noexcept {
-  using enum ShapeKind;
-  return shape.kind == kSphere || shape.kind == kCapsule || shape.kind == kCylinder || shape.kind == kCone;
-}
+bool rolls(const Shape& shape) noexcept { return traits_of(shape.kind).rolls; }
 
 }  // namespace
 

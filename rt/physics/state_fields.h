@@ -81,7 +81,7 @@ void each_field(Io& io, Wrenchd& w) noexcept {
 template <class Io>
 void each_field(Io& io, Body& b) noexcept {
   fields(io, b.id, b.kind, b.shape.kind, b.shape.radius, b.shape.half_length, b.shape.half_extents);
-  if (is_listed(b.shape.kind)) fields(io, b.shape.index);
+  if (traits_of(b.shape.kind).is_listed) fields(io, b.shape.index);
   fields(io, b.mass, b.inertia, b.friction, b.gravity_scale, b.motion.pose, b.motion.velocity);
 }
 

@@ -186,20 +186,24 @@ std::string TableReader::text(const char* key, std::string fallback, std::size_t
   return fallback;
 }
 
-std::string TableReader::word(const char* key, std::string fallback, std::initializer_list<const char*> words) {
+std::string TableReader::word(const char* key, std::string fallback, std::span<const std::string_view> words) {
   if (is_asked_about())
     note(key, {.type = AskedKey::Type::kWord, .fallback = in_quotes(fallback), .words = {words.begin(), words.end()}});
   const TomlNode* node = find(key);
   if (node == nullptr) return fallback;
-  const std::vector<std::string_view> known(words.begin(), words.end());
-  if (node->kind == TomlKind::kText && std::find(known.begin(), known.end(), node->text) != known.end())
+  if (node->kind == TomlKind::kText && std::find(words.begin(), words.end(), node->text) != words.end())
     return node->text;
-  const auto nearest = node->kind == TomlKind::kText ? nearest_word(node->text, known) : std::string_view{};
+  const auto nearest = node->kind == TomlKind::kText ? nearest_word(node->text, words) : std::string_view{};
   mistake(key,
           fmt::format("{} is not known{}", node->shown(),
                       nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest)),
-          list_of(known));
+          list_of(words));
   return fallback;
+}
+
+std::string TableReader::required_word(const char* key, std::span<const std::string_view> words) {
+  if (!require(key, list_of(words).c_str())) return {};
+  return word(key, "", words);
 }
 
 Vec3d TableReader::vector(const char* key, const Vec3d& fallback, const Range& range) {

@@ -35,8 +35,13 @@ class TableReader {
   std::uint64_t seed(const char* key, std::uint64_t fallback);
   bool flag(const char* key, bool fallback);
   std::string text(const char* key, std::string fallback, std::size_t longest);
-  // One of `words`; the first of them if the value is wrong.
-  std::string word(const char* key, std::string fallback, std::initializer_list<const char*> words);
+  // One of `words`; the fallback if the value is wrong.
+  std::string word(const char* key, std::string fallback, std::span<const std::string_view> words);
+  std::string word(const char* key, std::string fallback, std::initializer_list<std::string_view> words) {
+    return word(key, std::move(fallback), std::span(words.begin(), words.size()));
+  }
+  // The same for a required key; empty if it is missing or wrong.
+  std::string required_word(const char* key, std::span<const std::string_view> words);
   Vec3d vector(const char* key, const Vec3d& fallback, const Range& range);  // each component in the range
   Posed pose();                                                              // position_m, rotation_vector_rad
   const TomlNode* table(const char* key);                                    // null where missing or wrong

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <array>
 
+#include "sim/loader/scene_load_generators.h"
 #include "sim/loader/scene_meanings.h"
 #include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
 namespace {
 
-constexpr std::array kShapes{"sphere", "capsule", "box", "cylinder", "cone", "hull", "compound", "plane", "mesh"};
-constexpr std::array kPartShapes{"sphere", "capsule", "box", "cylinder", "cone", "hull"};
-constexpr std::array kGenerators{"wall", "pile", "tower", "card_house", "domino_row"};
 constexpr std::array kJoints{"fixed", "ball", "hinge", "slider", "distance"};
 
 // The head of a scene that declares every effect; one variant of a table is appended at a time.
@@ -38,7 +36,9 @@ void add_part_variants(std::vector<Variant>& all) {
     all.push_back({"[[body]] parts", shape, head() + "[[body]]\n" + parts});
     all.push_back({"[proxy] parts", shape, "[proxy]\n" + parts});
   };
-  for (const std::string shape : kPartShapes) {
+  for (const physics::ShapeKind kind : physics::kShapeKinds) {
+    if (!traits_of(kind).is_part) continue;
+    const std::string shape{traits_of(kind).name};
     if (shape == "hull") add(shape, ", file = \"a.stl\"");
     add(shape, shape == "hull" ? ", points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]" : "");
   }
@@ -47,7 +47,8 @@ void add_part_variants(std::vector<Variant>& all) {
 std::vector<Variant> variants() {
   const std::string pointed = "points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]\n";
   std::vector<Variant> all;
-  for (const std::string shape : kShapes) {
+  for (const physics::ShapeKind kind : physics::kShapeKinds) {
+    const std::string shape{traits_of(kind).name};
     std::string text = fmt::format("{}[[body]]\nshape = \"{}\"\n", head(), shape);
     if (shape == "mesh") text += "file = \"a.stl\"\n";
     if (shape == "compound") {  // with a mass of its own, then without
@@ -62,7 +63,7 @@ std::vector<Variant> variants() {
     all.push_back({"[[body]]", shape, text});
     all.push_back({"[[body]]", shape,
                    text + "kinematic = true\nrepeat_path = true\npath = [{time_s = 0, position_m = [0, 0, 0]}]\n"});
-    if (shape != "plane" && shape != "mesh") {
+    if (traits_of(kind).moves) {
       std::string proxy = fmt::format("[proxy]\nshape = \"{}\"\n", shape);
       if (shape == "hull") {
         all.push_back({"[proxy]", shape, proxy + "file = \"a.stl\"\n"});
@@ -76,8 +77,8 @@ std::vector<Variant> variants() {
     }
   }
   add_part_variants(all);
-  for (const std::string kind : kGenerators)
-    all.push_back({"[[generate]]", kind, fmt::format("{}[[generate]]\nkind = \"{}\"\n", head(), kind)});
+  for (const std::string_view kind : generator_names())
+    all.push_back({"[[generate]]", std::string(kind), fmt::format("{}[[generate]]\nkind = \"{}\"\n", head(), kind)});
   for (const std::string kind : kJoints)
     all.push_back({"[[joint]]", kind,
                    fmt::format("{}[[joint]]\nkind = \"{}\"\nb = \"proxy\"\nbreak_force_N = 1\nbreak_torque_Nm = 1\n",

@@ -14,6 +14,7 @@ namespace {
 using physics::Body;
 using physics::Shape;
 using physics::ShapeKind;
+using physics::ShapeTraits;
 
 constexpr double kLeastInertia = 1e-18, kLargestInertia = 1e12;  // kg m^2
 constexpr double kFar = 1e3;                                     // m
@@ -85,6 +86,25 @@ bool is_weightless(text::TableReader& table, BodyRole role) {
          !table.has("density_kg_per_m3");
 }
 
+// The word of a shape that `fits`; empty if it is missing or none of these: a mistake has been added.
+template <class Fits>
+std::optional<ShapeKind> read_kind(text::TableReader& table, const Fits& fits) {
+  std::vector<std::string_view> names;
+  for (const ShapeKind kind : physics::kShapeKinds)
+    if (fits(traits_of(kind))) names.push_back(traits_of(kind).name);
+  return find_choice(physics::kShapeKinds, table.required_word("shape", names));
+}
+
+double read_radius(text::TableReader& table) {
+  table.require("radius_m", "a number");
+  return table.number("radius_m", 0.05, kLength);
+}
+
+double read_half_length(text::TableReader& table, const char* from_where) {
+  table.require("length_m", fmt::format("a number: {}", from_where).c_str());
+  return 0.5 * table.number("length_m", 0.1, kLength);
+}
+
 Body harmless_body() { return physics::make_dynamic_body(kNoBody, Shape::sphere(0.05), 1.0, 0.0, Posed{}); }
 
 }  // namespace
@@ -103,35 +123,43 @@ Vec3d BodyReader::inertia_of(const Shape& shape, double mass_kg) const {
                                         : physics::inertia_of(shape, mass_kg);
 }
 
-// A convex shape. Empty if it is unknown: a mistake has been added.
-std::optional<ReadShape> BodyReader::read_convex(text::TableReader& table, const std::string& word) {
-  if (word == "hull") {
-    const auto made = hulls_.read(table);
-    if (!made) return std::nullopt;
-    return ReadShape{Shape::convex(hulls_.hull(made->index), made->index), made->given_from_body, made};
+// A shape of one body. Empty if a file or points of it are wrong: a mistake has been added.
+std::optional<ReadShape> BodyReader::read_shape(text::TableReader& table, ShapeKind kind) {
+  switch (kind) {
+    case ShapeKind::kSphere:
+      return ReadShape{Shape::sphere(read_radius(table))};
+    case ShapeKind::kCapsule: {
+      const double radius = read_radius(table);
+      return ReadShape{
+          Shape::capsule(radius, read_half_length(table, "from the centre of one cap to that of the other"))};
+    }
+    case ShapeKind::kCylinder: {
+      const double radius = read_radius(table);
+      return ReadShape{Shape::cylinder(radius, read_half_length(table, "from one end to the other"))};
+    }
+    case ShapeKind::kCone: {  // the keys' frame has its origin in the middle of the base
+      const double radius = read_radius(table), half_length = read_half_length(table, "from one end to the other");
+      return ReadShape{Shape::cone(radius, half_length), {{0, 0, 0.5 * half_length}, {}}};
+    }
+    case ShapeKind::kBox:
+      table.require("size_m", "[x, y, z]: the full lengths of the edges");
+      return ReadShape{Shape::box(0.5 * table.vector("size_m", {0.1, 0.1, 0.1}, kLength))};
+    case ShapeKind::kHull: {
+      const auto made = hulls_.read(table);
+      if (!made) return std::nullopt;
+      return ReadShape{Shape::convex(hulls_.hull(made->index), made->index), made->given_from_body, made};
+    }
+    case ShapeKind::kPlane:
+      return ReadShape{Shape::plane()};
+    case ShapeKind::kMesh: {
+      const auto made = meshes_.read(table);
+      if (!made) return std::nullopt;
+      return ReadShape{Shape::mesh(meshes_.mesh(made->index).half_extents, made->index), made->given_from_body};
+    }
+    case ShapeKind::kCompound:  // read_compound
+      return std::nullopt;
   }
-  if (word == "box") {
-    table.require("size_m", "[x, y, z]: the full lengths of the edges");
-    return ReadShape{Shape::box(0.5 * table.vector("size_m", {0.1, 0.1, 0.1}, kLength))};
-  }
-  table.require("radius_m", "a number");
-  const double radius = table.number("radius_m", 0.05, kLength);
-  if (word == "sphere") return ReadShape{Shape::sphere(radius)};
-  table.require("length_m", word == "capsule" ? "a number: from the centre of one cap to that of the other"
-                                              : "a number: from one end to the other");
-  const double half_length = 0.5 * table.number("length_m", 0.1, kLength);
-  if (word == "cylinder") return ReadShape{Shape::cylinder(radius, half_length)};
-  // The keys' frame has its origin in the middle of the base.
-  if (word == "cone") return ReadShape{Shape::cone(radius, half_length), {{0, 0, 0.5 * half_length}, {}}};
-  return ReadShape{Shape::capsule(radius, half_length)};
-}
-
-std::optional<ReadShape> BodyReader::read_shape(text::TableReader& table, const std::string& word) {
-  if (word == "plane") return ReadShape{Shape::plane()};
-  if (word != "mesh") return read_convex(table, word);
-  const auto made = meshes_.read(table);
-  if (!made) return std::nullopt;
-  return ReadShape{Shape::mesh(meshes_.mesh(made->index).half_extents, made->index), made->given_from_body};
+  return std::nullopt;
 }
 
 // Replaces the mass properties of a homogeneous solid by the moments of inertia and the centre of mass in the table, if
@@ -174,19 +202,14 @@ void BodyReader::read_motion(text::TableReader& table, Body& body) {
 
 Body BodyReader::read(text::TableReader& table, BodyRole role) {
   const bool proxy = role == BodyRole::kProxy;
-  const std::initializer_list<const char*> moving{"sphere", "capsule", "box", "cylinder", "cone", "hull", "compound"},
-      all{"box", "sphere", "capsule", "cylinder", "cone", "hull", "compound", "plane", "mesh"};
-  std::string word;
-  if (table.require("shape", proxy ? "sphere, capsule, box, cylinder, cone, hull, compound"
-                                   : "box, sphere, capsule, cylinder, cone, hull, compound, plane, mesh"))
-    word = table.word("shape", "", proxy ? moving : all);
-  if (word == "compound") return read_compound(table, role);
-  const auto known = word.empty() ? std::nullopt : read_shape(table, word);
+  const auto kind = read_kind(table, [proxy](const ShapeTraits& traits) { return traits.moves || !proxy; });
+  if (kind == ShapeKind::kCompound) return read_compound(table, role);
+  const auto known = kind ? read_shape(table, *kind) : std::nullopt;
   if (!known) {  // its other keys cannot be checked
     table.ignore_the_rest();
     return harmless_body();
   }
-  table.refuse("parts", fmt::format("a {} has none", word), "no such key; or shape = \"compound\"");
+  table.refuse("parts", fmt::format("a {} has none", traits_of(*kind).name), "no such key; or shape = \"compound\"");
   const Shape& shape = known->shape;
   const double friction = table.number("friction", 0, kFriction);
   const Posed pose = table.pose() * known->given_from_body;
@@ -224,10 +247,8 @@ std::vector<GivenPart> BodyReader::read_parts(text::TableReader& table, MassFrom
       known_all = false;
       continue;
     }
-    std::string word;
-    if (t.require("shape", "box, sphere, capsule, cylinder, cone, hull"))
-      word = t.word("shape", "", {"box", "sphere", "capsule", "cylinder", "cone", "hull"});
-    const auto known = word.empty() ? std::nullopt : read_convex(t, word);
+    const auto kind = read_kind(t, [](const ShapeTraits& traits) { return traits.is_part; });
+    const auto known = kind ? read_shape(t, *kind) : std::nullopt;
     if (!known) {
       t.ignore_the_rest();
       known_all = false;

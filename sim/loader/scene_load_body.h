@@ -38,11 +38,10 @@ class BodyReader {
   std::string kept() const { return hulls_.kept() + meshes_.kept(); }
 
  private:
-  // Whether the body has a mass of its own, or none, or its parts have theirs.
+  // Where a body's mass comes from: its own key, its parts' keys, or nowhere.
   enum class MassFrom { kNothing, kBody, kParts };
 
-  std::optional<ReadShape> read_convex(text::TableReader& table, const std::string& word);
-  std::optional<ReadShape> read_shape(text::TableReader& table, const std::string& word);
+  std::optional<ReadShape> read_shape(text::TableReader& table, physics::ShapeKind kind);
   double volume_of(const physics::Shape& shape) const;
   Vec3d inertia_of(const physics::Shape& shape, double mass_kg) const;
   void read_mass_properties(text::TableReader& table, const ReadShape& known, physics::Body& body);

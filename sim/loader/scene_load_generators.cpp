@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sim/loader/scene_load_ranges.h"
@@ -132,23 +133,33 @@ void repeat(text::TableReader& table, unsigned capacity, Generated& made) {
       }
 }
 
+struct Generator {
+  std::string_view name;
+  void (*read)(text::TableReader& table, double friction, unsigned capacity, Generated& made);
+};
+
+constexpr std::array kGenerators{Generator{"wall", read_wall}, Generator{"pile", read_pile},
+                                 Generator{"tower", read_tower}, Generator{"card_house", read_card_house},
+                                 Generator{"domino_row", read_domino_row}};
+
 }  // namespace
+
+std::vector<std::string_view> generator_names() {
+  std::vector<std::string_view> names;
+  for (const Generator& generator : kGenerators) names.push_back(generator.name);
+  return names;
+}
 
 Generated read_generator(text::TableReader& table, unsigned capacity) {
   Generated made;
-  const auto kinds = {"wall", "pile", "tower", "card_house", "domino_row"};
-  if (!table.require("kind", "wall, pile, tower, card_house, domino_row")) return made;
-  const std::string kind = table.word("kind", "", kinds);
+  const std::string kind = table.required_word("kind", generator_names());
   if (kind.empty()) return made;  // its keys are unknown and not checked
   const double friction = table.number("friction", 0, kFriction);
   const Posed world_from_part = table.pose();
   made.part.kind = kind;
   made.part.friction = friction;
-  if (kind == "wall") read_wall(table, friction, capacity, made);
-  if (kind == "pile") read_pile(table, friction, capacity, made);
-  if (kind == "tower") read_tower(table, friction, capacity, made);
-  if (kind == "card_house") read_card_house(table, friction, capacity, made);
-  if (kind == "domino_row") read_domino_row(table, friction, capacity, made);
+  for (const Generator& generator : kGenerators)
+    if (generator.name == kind) generator.read(table, friction, capacity, made);
   repeat(table, capacity, made);
   for (auto& body : made.bodies) body.motion.pose = world_from_part * body.motion.pose;
   made.part.count = static_cast<unsigned>(made.bodies.size());

@@ -2,6 +2,9 @@
 // Thread: [setup]. Mistakes go to the reader's diagnostics; a wrong value is replaced by a harmless default.
 #pragma once
 
+#include <string_view>
+#include <vector>
+
 #include "rt/text/table_reader.h"
 #include "sim/loader/generators.h"
 #include "sim/loader/scene_load.h"
@@ -15,5 +18,8 @@ struct Generated {
   Bodies bodies;
 };
 Generated read_generator(text::TableReader& table, unsigned capacity);
+
+// The words for [[generate]] kind.
+std::vector<std::string_view> generator_names();
 
 }  // namespace tactus::sim

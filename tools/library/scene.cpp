@@ -12,18 +12,6 @@ namespace {
 using library::Access;
 using library::to_public;
 
-static_assert(static_cast<std::uint32_t>(Shape::kSphere) == static_cast<std::uint32_t>(physics::ShapeKind::kSphere) &&
-              static_cast<std::uint32_t>(Shape::kCapsule) == static_cast<std::uint32_t>(physics::ShapeKind::kCapsule) &&
-              static_cast<std::uint32_t>(Shape::kBox) == static_cast<std::uint32_t>(physics::ShapeKind::kBox) &&
-              static_cast<std::uint32_t>(Shape::kPlane) == static_cast<std::uint32_t>(physics::ShapeKind::kPlane) &&
-              static_cast<std::uint32_t>(Shape::kHull) == static_cast<std::uint32_t>(physics::ShapeKind::kHull) &&
-              static_cast<std::uint32_t>(Shape::kMesh) == static_cast<std::uint32_t>(physics::ShapeKind::kMesh) &&
-              static_cast<std::uint32_t>(Shape::kCompound) ==
-                  static_cast<std::uint32_t>(physics::ShapeKind::kCompound) &&
-              static_cast<std::uint32_t>(Shape::kCylinder) ==
-                  static_cast<std::uint32_t>(physics::ShapeKind::kCylinder) &&
-              static_cast<std::uint32_t>(Shape::kCone) == static_cast<std::uint32_t>(physics::ShapeKind::kCone));
-
 // Begins each line of a message with the scene's name.
 Error take(Result<sim::Scene> read, const text::Diagnostics& said, std::shared_ptr<const void>& scene,
            std::vector<std::string>& warnings) {
@@ -43,13 +31,38 @@ const physics::Body* body_of(const sim::Scene* scene, BodyNumber number) noexcep
   return scene != nullptr && number < scene->bodies.size() ? &scene->bodies[number] : nullptr;
 }
 
+// The public kind of a shape; the compiler names a kind that it lacks.
+constexpr Shape public_kind(physics::ShapeKind kind) noexcept {
+  using enum physics::ShapeKind;
+  switch (kind) {
+    case kSphere:
+      return Shape::kSphere;
+    case kCapsule:
+      return Shape::kCapsule;
+    case kBox:
+      return Shape::kBox;
+    case kPlane:
+      return Shape::kPlane;
+    case kHull:
+      return Shape::kHull;
+    case kMesh:
+      return Shape::kMesh;
+    case kCompound:
+      return Shape::kCompound;
+    case kCylinder:
+      return Shape::kCylinder;
+    case kCone:
+      return Shape::kCone;
+  }
+  return Shape::kSphere;
+}
+
 // Fills the kind and the sizes that such a shape has; `Info`: BodyInfo or PartInfo.
 template <class Info>
 void fill_shape(const physics::Shape& shape, Info& info) noexcept {
-  using enum physics::ShapeKind;
-  info.shape = static_cast<Shape>(shape.kind);
-  const bool has_length = shape.kind == kCapsule || shape.kind == kCylinder || shape.kind == kCone;
-  if (shape.kind == kSphere || has_length) info.radius_m = shape.radius;
+  info.shape = public_kind(shape.kind);
+  const bool has_length = info.shape == Shape::kCapsule || info.shape == Shape::kCylinder || info.shape == Shape::kCone;
+  if (info.shape == Shape::kSphere || has_length) info.radius_m = shape.radius;
   if (has_length) info.half_length_m = shape.half_length;
   info.half_extents_m = to_public(shape.half_extents);
 }

@@ -10,11 +10,7 @@
 namespace tactus::physics {
 namespace {
 
-constexpr std::uint32_t pair_of(ShapeKind a, ShapeKind b) noexcept {
-  return static_cast<std::uint32_t>(a) * 16 + static_cast<std::uint32_t>(b);
-}
-
-// B is a hull, A any shape.
+// In the functions below the name says what B is; A is any shape.
 void collide_with_hull(const PairView& pair, Manifold& manifold, AxisCache& cache, Hulls hulls) noexcept {
   if (pair.b.index >= hulls.size()) return;
   const HullView hull = view_of(hulls[pair.b.index]);
@@ -38,31 +34,62 @@ void collide_with_hull(const PairView& pair, Manifold& manifold, AxisCache& cach
   }
 }
 
-void collide_ordered(const PairView& pair, Manifold& manifold, AxisCache& cache, Hulls hulls) noexcept {
-  using enum ShapeKind;
-  switch (pair_of(pair.a.kind, pair.b.kind)) {
-    case pair_of(kSphere, kSphere):
-      return collide_sphere_sphere(pair, manifold);
-    case pair_of(kSphere, kCapsule):
-      return collide_sphere_capsule(pair, manifold);
-    case pair_of(kSphere, kBox):
+void collide_with_box(const PairView& pair, Manifold& manifold, AxisCache& cache) noexcept {
+  switch (pair.a.kind) {
+    case ShapeKind::kSphere:
       return collide_sphere_box(pair, manifold);
-    case pair_of(kSphere, kPlane):
-      return collide_sphere_plane(pair, manifold);
-    case pair_of(kCapsule, kCapsule):
-      return collide_capsule_capsule(pair, manifold);
-    case pair_of(kCapsule, kBox):
+    case ShapeKind::kCapsule:
       return collide_capsule_box(pair, manifold);
-    case pair_of(kCapsule, kPlane):
-      return collide_capsule_plane(pair, manifold);
-    case pair_of(kBox, kBox):
+    case ShapeKind::kBox:
       return collide_box_box(pair, manifold, cache);
-    case pair_of(kBox, kPlane):
+    case ShapeKind::kPlane:  // ordered behind boxes, as all below
+    case ShapeKind::kHull:
+    case ShapeKind::kMesh:
+    case ShapeKind::kCompound:
+    case ShapeKind::kCylinder:
+    case ShapeKind::kCone:
+      return;
+  }
+}
+
+void collide_with_plane(const PairView& pair, Manifold& manifold) noexcept {
+  switch (pair.a.kind) {
+    case ShapeKind::kSphere:
+      return collide_sphere_plane(pair, manifold);
+    case ShapeKind::kCapsule:
+      return collide_capsule_plane(pair, manifold);
+    case ShapeKind::kBox:
       return collide_box_plane(pair, manifold);
-    default:
-      if (pair.b.kind == kHull) collide_with_hull(pair, manifold, cache, hulls);
-      if (pair.b.kind == kCylinder || pair.b.kind == kCone) collide_with_cylinder(pair, manifold, cache, hulls);
-      return;  // or two planes; or a mesh (collide_mesh.h) or a compound (collide_parts.h)
+    case ShapeKind::kPlane:  // neither moves
+    case ShapeKind::kHull:   // ordered behind planes, as all below
+    case ShapeKind::kMesh:
+    case ShapeKind::kCompound:
+    case ShapeKind::kCylinder:
+    case ShapeKind::kCone:
+      return;
+  }
+}
+
+// A is of the same kind as B or of one before it.
+void collide_ordered(const PairView& pair, Manifold& manifold, AxisCache& cache, Hulls hulls) noexcept {
+  switch (pair.b.kind) {
+    case ShapeKind::kSphere:
+      return collide_sphere_sphere(pair, manifold);
+    case ShapeKind::kCapsule:
+      return pair.a.kind == ShapeKind::kSphere ? collide_sphere_capsule(pair, manifold)
+                                               : collide_capsule_capsule(pair, manifold);
+    case ShapeKind::kBox:
+      return collide_with_box(pair, manifold, cache);
+    case ShapeKind::kPlane:
+      return collide_with_plane(pair, manifold);
+    case ShapeKind::kHull:
+      return collide_with_hull(pair, manifold, cache, hulls);
+    case ShapeKind::kCylinder:
+    case ShapeKind::kCone:
+      return collide_with_cylinder(pair, manifold, cache, hulls);
+    case ShapeKind::kMesh:      // collide_mesh.h
+    case ShapeKind::kCompound:  // collide_parts.h
+      return;
   }
 }
 

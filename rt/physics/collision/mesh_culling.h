@@ -72,9 +72,15 @@ class MeshCulling {
         return shape_.radius + shape_.half_length * std::abs(in_body.z);
       case ShapeKind::kHull:
         return view_of(*hull_).support_along(in_body);
-      default:
-        return dot(shape_.half_extents, abs(in_body));
+      case ShapeKind::kBox:
+      case ShapeKind::kCylinder:
+      case ShapeKind::kCone:
+      case ShapeKind::kPlane:
+      case ShapeKind::kMesh:
+      case ShapeKind::kCompound:
+        break;
     }
+    return dot(shape_.half_extents, abs(in_body));
   }
 
   // False if the triangle is on the outer side of a face of the box that holds the body, beyond what the body may close

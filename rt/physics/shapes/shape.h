@@ -10,25 +10,9 @@
 
 #include "rt/base/spatial.h"
 #include "rt/physics/shapes/hull.h"
+#include "rt/physics/shapes/shape_kind.h"
 
 namespace tactus::physics {
-
-enum class ShapeKind : std::uint32_t {
-  kSphere = 0,
-  kCapsule = 1,
-  kBox = 2,
-  kPlane = 3,
-  kHull = 4,
-  kMesh = 5,
-  kCompound = 6,
-  kCylinder = 7,
-  kCone = 8,
-};
-
-// True for a shape that refers to a list of the world by its index.
-constexpr bool is_listed(ShapeKind kind) noexcept {
-  return kind == ShapeKind::kHull || kind == ShapeKind::kMesh || kind == ShapeKind::kCompound;
-}
 
 struct Shape {
   ShapeKind kind{ShapeKind::kSphere};

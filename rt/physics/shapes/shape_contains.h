@@ -38,9 +38,12 @@ inline bool contains(const Shape& shape, Hulls hulls, const Vec3d& p, double mar
         if (dot(hull.normal(f), p) > hull.offsets[f] + margin) return false;
       return true;
     }
-    default:
+    case ShapeKind::kPlane:
+    case ShapeKind::kMesh:
+    case ShapeKind::kCompound:
       return false;
   }
+  return false;
 }
 
 }  // namespace tactus::physics

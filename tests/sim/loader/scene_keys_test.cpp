@@ -90,7 +90,7 @@ TEST_CASE("a key is listed with the shapes, generators and joints that have it, 
   CHECK(key(body, "radius_m").only_with == "sphere, capsule, cylinder, cone");
   CHECK(key(body, "file").only_with == "hull, mesh");
   CHECK(key(body, "friction").only_with.empty());
-  CHECK(key(body, "mass_kg").only_with == "sphere, capsule, box, cylinder, cone, hull, compound");
+  CHECK(key(body, "mass_kg").only_with == "box, sphere, capsule, cylinder, cone, hull, compound");
   CHECK(key(body, "shape").asked.required);
   const auto& generate = table(language, "[[generate]]");
   CHECK(key(generate, "count", "pile").fallback == "700");

@@ -28,13 +28,21 @@ constexpr double kMinWork_J = 1e-6;
 constexpr double kLostForce_N = 1e4;
 
 double smallest_extent(const physics::Shape& shape) {
+  using enum physics::ShapeKind;
   switch (shape.kind) {
-    case physics::ShapeKind::kSphere:
-    case physics::ShapeKind::kCapsule:
+    case kSphere:
+    case kCapsule:
       return 2 * shape.radius;
-    default:
-      return 2 * std::min({shape.half_extents.x, shape.half_extents.y, shape.half_extents.z});
+    case kBox:
+    case kCylinder:
+    case kCone:
+    case kHull:
+    case kCompound:
+    case kPlane:
+    case kMesh:
+      break;
   }
+  return 2 * std::min({shape.half_extents.x, shape.half_extents.y, shape.half_extents.z});
 }
 
 double turned(const Body& a, const Body& b) {
