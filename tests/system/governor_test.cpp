@@ -1,4 +1,4 @@
-// What the governor of a run chose, as the run counts it.
+// The governor's choices in a run, and the counts that the run reports of them.
 #include <bit>
 
 #include "rt/loop/timed_tick.h"

@@ -1,4 +1,4 @@
-// What the simulated devices of the bench have in common: the scene's hand, and commands from a FIFO.
+// Parts that the bench's simulated devices share: the scene's hand, and commands from a FIFO.
 //
 // Thread: [setup]; ControlLines::next() the control period's: at most a line's bytes, no wait. A mistake ends the
 // program with status 2 and one line.
@@ -28,7 +28,7 @@ namespace tactus::vm {
   std::exit(2);
 }
 
-// What an option's value does.
+// Stores the value of an option.
 using TakeValue = std::function<void(const char* value)>;
 inline TakeValue into(std::string& text) {
   return [&text](const char* value) { text = value; };
@@ -46,7 +46,7 @@ inline void read_pairs(int argc, char** argv, int first, const std::map<std::str
   }
 }
 
-// Real-time, then "ready", then bench.run() until a signal or `quit`.
+// Makes this thread real-time, prints "ready", and calls bench.run() until a signal or the line `quit`.
 template <class Bench>
 int serve(Bench& bench, int priority) {
   if (const std::string refused = firmware::make_realtime(priority, -1); !refused.empty()) fail(refused);

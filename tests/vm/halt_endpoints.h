@@ -8,7 +8,7 @@
 
 namespace tactus::vm {
 
-// 0, or the error of libusb.
+// Returns 0, or the error of libusb.
 inline int halt_endpoints() {
   constexpr std::uint8_t kToEndpoint = 0x02, kSetFeature = 0x03;
   constexpr std::uint16_t kEndpointHalt = 0;

@@ -39,7 +39,7 @@ run_guest() {
   mkdir -p "$scratch/root/etc"
   : >"$logs/vm-$name.log"
   for file in "$build/tools/tactus" "$build"/tests/vm/{bench_device,bench_drives,bench_falcon,ask_device} \
-    "$build"/firmware/boards/tactus_device_{usb,can} "$build/tests/device_in_c/device_can_fd" \
+    "$build"/firmware/boards/tactus_device_{usb,can} "$build/tests/tools/examples/device_in_c/device_can_fd" \
     "$build"/tests/libtactus_stand_in_{dhd,hd}.so $(guest_programs); do
     add_file "$file"
   done

@@ -1,4 +1,4 @@
-// What latches, what only fades, how the force goes, and what it takes to have it back.
+// Which faults latch and which only fade the force, how the force ends, and what re-arms it.
 #include <catch2/catch.hpp>
 #include <memory>
 

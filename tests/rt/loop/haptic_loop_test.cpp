@@ -1,5 +1,4 @@
-// What a tick does with a device that works: arming, the force, the worlds that come and go; and what holds of any
-// tick.
+// A tick with a device that works: arming, force, snapshots in time and late; and properties of every tick.
 #include "rt/loop/haptic_loop.h"
 
 #include <algorithm>

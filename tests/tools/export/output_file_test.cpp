@@ -1,4 +1,4 @@
-// What an output may replace: a file of its own kind, and nothing of a person's.
+// An output replaces a file of its own kind, and no other file.
 #include "tools/export/output_file.h"
 
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-// Imports of the models in tests/import, and the scenes that they make, for the tests.
+// Imports of the models in tests/tools/import/models, and the scenes that they make, for the tests.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@
 
 namespace tactus::test {
 
-inline const std::filesystem::path kModels = TACTUS_SOURCE_DIR "/tests/import";
+inline const std::filesystem::path kModels = TACTUS_SOURCE_DIR "/tests/tools/import/models";
 
 // compile.mjs beside the wasm, where node and npm were there when this was built.
 inline std::filesystem::path compiler() {
@@ -67,7 +67,7 @@ inline scene_import::Imported imported(const scene_import::ImportOptions& option
 
 inline scene_import::Imported imported(const std::string& name) { return imported(options_for(kModels / name)); }
 
-// What a file is refused for: the error, or the account's lines.
+// The reason why a file is refused: the error, or the account's lines.
 inline std::string refusal(const scene_import::ImportOptions& options) {
   scene_import::Imported made;
   if (const auto error = scene_import::import_file(options, made)) return error->message;

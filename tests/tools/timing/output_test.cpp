@@ -1,4 +1,4 @@
-// What people and other programs get to see: bars, the plot, the trace, the report's keys.
+// Outputs of `tactus timing`: bars, the plot, the trace, the report's keys.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-// What a page gets and may say, without a socket.
+// Messages to a page and from it, without a socket.
 #include <catch2/catch.hpp>
 #include <cstring>
 

@@ -1,4 +1,4 @@
-// What holds for every pair with a hull, over seeded random pairs near touching.
+// Properties of every pair with a hull, over seeded random pairs that nearly touch.
 #include <catch2/catch.hpp>
 
 #include "tests/rt/physics/shapes/hull_support.h"

@@ -1,4 +1,4 @@
-// What holds for every pair of shapes, over seeded random pairs near touching.
+// Properties of every pair of shapes, over seeded random pairs that nearly touch.
 #include <catch2/catch.hpp>
 #include <string>
 
