@@ -16,14 +16,14 @@ constexpr std::uint8_t kCalm = state_bit(State::kReset) | state_bit(State::kIdle
 constexpr std::uint8_t kStarted = state_bit(State::kIdle) | state_bit(State::kBrake);
 constexpr float kMaxPlausible = 1e6f;  // equal to the limit in controller.cpp
 
-// Where a value is stored in the configuration.
+// The place of a value in the configuration.
 struct Field {
   Section section;
   std::size_t offset;
   std::uint8_t width;
 };
 
-// What a value may be, as the bits of its type.
+// The accepted range of a value, as the bits of its type.
 struct Range {
   RegisterType type;
   std::uint32_t low, high;

@@ -43,7 +43,7 @@ std::string described_by_files() {
   return names_where([](const DeviceClass& device_class) { return !device_class.describes_itself; });
 }
 
-// What is behind the colon.
+// The address in NAME:ADDRESS; empty if there is no colon.
 std::string_view address_in(std::string_view text) {
   const std::size_t colon = text.find(':');
   return colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1);

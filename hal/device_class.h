@@ -99,7 +99,7 @@ struct DeviceChoice {
   std::string address;
 };
 
-// What is wrong with NAME[:ADDRESS], beside accepted_devices(); empty: nothing.
+// Describes what is wrong with NAME[:ADDRESS], without accepted_devices(); empty: nothing is.
 std::string device_mistake(const std::string& text);
 // Splits NAME[:ADDRESS] and checks both. Error, one line: what was given and what is accepted.
 Result<DeviceChoice> choose_device(const std::string& text);

@@ -40,7 +40,7 @@ class Plant {
  private:
   struct Line;  // one vector equation of motion: translation or rotation
   void set_motor_wrench(const AxisVector& motor_effort, bool shorted) noexcept;
-  // What the hand does to a line is added by the callers.
+  // The callers add the hand's terms.
   Line translation(double h_s, bool shorted) noexcept;
   Line rotation(double h_s, bool shorted) noexcept;
   Vec3d advance(const Line& line, const Vec3d& speed) noexcept;

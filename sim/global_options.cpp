@@ -1,4 +1,4 @@
-// Whether a scene and the options of its global world go together.
+// Checks that a scene can run with the options of its global world.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -47,7 +47,7 @@ class ArmMechanics {
     for (unsigned i = 0; i < description_.axes.size(); ++i) shafts[i] = shaft_of(i, rate);
     return shafts;
   }
-  // What torques on the shafts make at the tool.
+  // The wrench at the tool that these shaft torques cause.
   Wrenchd wrench_of(const AxisVector& torques_Nm) const noexcept {
     AxisVector effort{};
     for (unsigned i = 0; i < description_.axes.size(); ++i)

@@ -13,7 +13,7 @@
 
 namespace tactus::hal {
 
-// What the drive measures now.
+// The shaft as the drive measures it now.
 struct DriveShaft {
   double position_rad{0}, speed_rad_per_s{0};
 };

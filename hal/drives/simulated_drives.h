@@ -42,7 +42,7 @@ class SimulatedDrives {
 
   const Plant& plant() const noexcept { return mechanics_.plant(); }
   SimulatedDrive& drive(unsigned axis) noexcept { return rack_.drive(axis); }
-  // What the drives' commanded torques make at the tool, damping left out.
+  // The wrench at the tool that the drives' commanded torques cause, without damping.
   Wrenchd commanded_wrench() const noexcept;
   std::uint64_t tick() const noexcept { return rack_.tick(); }
   std::int64_t now_ns() const noexcept { return rack_.now_ns(); }

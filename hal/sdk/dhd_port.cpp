@@ -8,7 +8,7 @@
 namespace tactus::hal {
 namespace {
 
-// What the library answers.
+// Return values of the library.
 constexpr int kDhdGood = 0, kTimeGuard = 1, kSaturated = 2;
 // Indices of dhdGetStatus.
 constexpr unsigned kConnected = 1, kForceOn = 5, kStatusSize = 17;

@@ -37,7 +37,7 @@ class SdkPort {
   // Sends a wrench and takes a state, in the order that the library requires. The fault counts whatever the result is.
   virtual SdkResult exchange(const Wrenchd& wrench, SdkState& state) noexcept = 0;
   virtual bool enable_forces(bool on) noexcept = 0;  // off: also engages brakes, if the device has any. False: refused
-  // What ends the force when this program or its library stops, as a half line.
+  // Names what ends the force when this program or its library stops; a part of a line.
   virtual std::string watchdog() const = 0;
 
   // A library that makes its exchanges on a thread of its own has a scheduler: `call` runs there, once a period, from

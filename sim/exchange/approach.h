@@ -7,7 +7,7 @@
 //
 // Thread: the global world's; construction [setup], the rest never allocates. Frame: world. Units: SI. Work: linear in
 // bodies, and in members times the bodies in reach of any. Bound: kMaxApproaches pairs; further ones are left out.
-// Source: speculative contacts (Catto 2013); sim/README.md, "Bodies that approach".
+// Source: speculative contacts (Catto 2013); sim/exchange/README.md, "Bodies that approach".
 #pragma once
 
 #include <span>

@@ -7,7 +7,7 @@
 
 namespace tactus::sim {
 
-// What a run chooses.
+// The choices of a run that determine its sub-world.
 struct SubWorldChoice {
   haptics::CouplingScheme coupling;
   physics::BorderMode border;

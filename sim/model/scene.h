@@ -107,7 +107,7 @@ struct GeneratedPart {
   double top_friction{0};             // card house: min. coefficient between a top and the flat card on it; 0 otherwise
 };
 
-// Where a body stands in the file.
+// Name and place of a body in the scene file.
 struct ListedBody {
   std::string name;  // empty: none
   unsigned line{0};  // of its table

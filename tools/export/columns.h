@@ -51,8 +51,8 @@ double time_of(std::uint64_t tick, double period_s) noexcept;
 // All columns, in the order of the record.
 const std::vector<Column>& all_columns();
 
-// The columns that `words` name, each a column or a group, in the table's order; all without a word. Tick and time are
-// always among them. Error, one line: a word that names nothing.
+// Selects the columns that `words` name, each a column or a group, in the table's order; all, if there are no words.
+// Tick and time are always included. Error, one line: a word that is neither a column nor a group.
 Result<std::vector<Column>> select_columns(std::span<const std::string> words);
 
 // The groups' names, in the table's order.

@@ -57,7 +57,7 @@ void HeldForce::tick() noexcept {
   given_N_.store(force_N_, std::memory_order_release);
 }
 
-// What ends a push.
+// Ends a push if the device has a fault, is silent or has moved too far.
 void HeldForce::look() noexcept {
   missing_ = input_.status == ReadStatus::kFresh ? 0 : missing_ + 1;
   if (wanted_N_.load(std::memory_order_relaxed) <= 0 && force_N_ <= 0) {

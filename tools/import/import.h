@@ -26,7 +26,7 @@ struct Imported {
   Account account;
 };
 
-// What the error is about: the file, or what this machine lacks.
+// An error of the file or, if `machine_lacks`, of a machine that lacks a program or a library.
 struct ImportError {
   std::string message;
   bool machine_lacks{false};

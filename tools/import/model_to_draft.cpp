@@ -25,7 +25,7 @@ std::string with_line(const std::string& text, const Place& place) {
   return place.line > 0 ? fmt::format("{}, line {}", text, place.line) : text;
 }
 
-// Sliding, torsional [m], rolling [m]: what the dimension of the geom's contacts has.
+// Sliding [1], torsional [m] and rolling friction [m]; 0 for those that the geom's condim leaves out.
 Vec3d friction_of(const ModelGeom& geom) {
   return {geom.condim == 1 ? 0 : geom.friction.x, geom.condim >= 4 ? geom.friction.y : 0,
           geom.condim >= 6 ? geom.friction.z : 0};

@@ -26,7 +26,7 @@ class OwnDevice {
   // Removes the force and stops the device if it was started.
   void finish() noexcept;
 
-  // What the samples and commands so far have left here; the caller's device has a state of its own.
+  // State that depends on earlier samples and commands; the caller's device has a state of its own.
   struct State {
     std::uint64_t reads{0};
     DeviceSample last{};

@@ -29,7 +29,7 @@ struct HandPush {
 };
 using HandWish = std::variant<HandPose, HandPush>;
 
-// What the owner receives when it is called for a tick.
+// The argument of the owner's function, which is called once a tick.
 struct HandAsked {
   std::uint64_t tick{0};  // the target is for this tick's sample
   HandPose tool;          // as the encoders measure it

@@ -110,7 +110,7 @@ constexpr const char* kAcceptedHands =
 
 bool is_list(const py::handle& value) { return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value); }
 
-// Who leads each hand.
+// The Python object that leads each hand.
 std::vector<py::object> leaders_of(const py::object& hand, unsigned hands) {
   if (!is_list(hand)) {
     if (hands > 1 && !hand.is_none())

@@ -26,7 +26,7 @@ struct Targets {
   static Targets from(const pybind11::handle& value);
 };
 
-// What Run::save gives to Python.
+// The state that Run::save gives to Python.
 struct Saved : ZeroedByPython {
   using ZeroedByPython::made;
   SavedState session;

@@ -36,7 +36,7 @@ inline constexpr int kPatience_ms = 1000;
 inline constexpr std::size_t kMaxClients = 16;
 inline constexpr std::size_t kMaxWatchers = 8;
 
-// What a run shows to watchers, and lets its operator move; null: not this run.
+// The parts of a run that watchers see and its operator moves; null: this run lacks it.
 struct Watchable {
   int descriptor{-1};                             // that "watch" passes on; -1: nothing
   std::atomic<std::uint32_t>* watchers{nullptr};  // counted by the server

@@ -66,7 +66,7 @@ bool has_to_rearm(const LiveStatus& live) {
   return live.fault.load(relaxed) != 0 || live.device_state.load(relaxed) == braked;
 }
 
-// What one hand of a run has of its own: its thread, and what that shares with the thread that attends the run.
+// The haptic thread of one hand, and the values that it shares with the thread that attends the run.
 class HandRun {
  public:
   HandRun(Session& session, const HandHooks& hooks)

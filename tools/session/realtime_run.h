@@ -51,7 +51,7 @@ struct HandsHooks {
   std::vector<HandHooks> hands{};  // by hand; may be shorter
 };
 
-// Where a fault's last seconds go, in the working directory; of a further hand: file_of_hand.
+// The tape of a fault's last seconds, in the working directory; that of a further hand: file_of_hand.
 inline constexpr const char* kFaultTape = "tactus-fault.tape";
 std::filesystem::path fault_tape_of(const Session& session);
 // Writes the flight recorder's last seconds there, in place of an older tape, whose readers keep what they have open.

@@ -109,12 +109,12 @@ class Session {
   // [setup] The simulated hand rests where its path begins, until a person takes it. False: the device is a real one.
   bool rest_hand() noexcept;
 
-  // What a tape of this run begins with: options, device, scene.
+  // The header of this run's tape: options, device, scene.
   std::string tape_text() const;
   // The figures common to real-time and virtual runs.
   RunSummary summary() const;
 
-  // Where the run is in its script and its cycle.
+  // Progress of the run in its script and in its cycle.
   struct Progress {
     bool hand_returns{false};
     std::optional<std::uint64_t> first_engaged;  // tick, of a run that is armed at its start

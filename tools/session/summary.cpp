@@ -216,7 +216,7 @@ std::string setup_text(const RunSummary& s) {
   return text;
 }
 
-// Energy account of the border, in both worlds; signs as in the README.
+// Energy account of the border, in both worlds; signs as in tools/session/README.md.
 std::string border_energy_text(const RunSummary& s) {
   if (!s.has_global) return {};
   return fmt::format(

@@ -46,7 +46,7 @@ struct RunRuling {
   std::string rule, figure, unit;
   double measured{0};
   double degraded_above{std::numeric_limits<double>::infinity()}, bad_above{std::numeric_limits<double>::infinity()};
-  std::string found, remedy;  // texts if it is not good
+  std::string found, remedy;  // the finding and what to do about it; for a rule that is not good
   bool machine{false};        // caused by the machine, not by the program
 
   Level level() const noexcept;

@@ -1,5 +1,5 @@
-// What the experiments have in common on the command line: --csv, --svg, --page, --quick, --json, and the end of a run,
-// which prints a table or JSON, writes the files and draws the page. Thread: [setup].
+// Options that the experiments share (--csv, --svg, --page, --quick, --json), and the end of an experiment, which
+// prints a table or JSON, writes the files and draws the page. Thread: [setup].
 #pragma once
 
 #include <string>

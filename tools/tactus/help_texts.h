@@ -34,7 +34,8 @@ inline constexpr const char* kPrecision =
 inline constexpr const char* kScenes = "scenes, separated by commas; default: all";
 inline constexpr const char* kSeeds =
     "number of hand motions for each scene; they press and slide slightly differently";
-inline constexpr const char* kWorkers = "number of processes on this machine (needs the Python module);\nthe figures do not depend on it";
+inline constexpr const char* kWorkers =
+    "number of processes on this machine (needs the Python module);\nthe figures do not depend on it";
 inline constexpr const char* kScheduler =
     "address of a scheduler of Dask distributed whose workers compute, such as tcp://127.0.0.1:8786;\n"
     "each worker has tactus at the same path, of the same version and instruction set";

@@ -15,7 +15,7 @@ namespace tactus::tools {
 
 inline constexpr double kDefaultVirtual_s = 10;  // of virtual time, without --duration, --view and --control
 
-// What can be given once for all hands, or once for each.
+// Options that can be given once for all hands, or once for each hand.
 struct EachHand {
   std::vector<std::string> devices, device_files;
   std::vector<std::string> injects;  // fewer than hands: of the first ones

@@ -41,7 +41,7 @@ struct Budget {
 Result<Budget> read_budget(const std::string& text, const std::string& name);
 Result<Budget> load_budget(const std::string& path);
 
-// What a run requests.
+// The capacity that a run requests of the budget.
 struct BudgetRequest {
   double rate_Hz{1000};
   unsigned members{64}, sub_steps{4};

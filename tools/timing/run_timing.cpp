@@ -166,6 +166,34 @@ std::optional<sim::Scene> scene_of(TimingOptions& o, std::string& text, TimingPr
   return std::move(scene).value();
 }
 
+// Null, and a problem, without the device or with options that do not fit the scene.
+std::unique_ptr<session::Session> session_of(sim::Scene scene, const session::RunOptions& options,
+                                             TimingProblem& problem) {
+  const auto profile = session::find_description(scene.device.profile, options.device_file);
+  if (!profile.ok()) {
+    problem = {true, profile.message()};
+    return nullptr;
+  }
+  auto hardware = session::open_hardware(options, profile.value());
+  if (!hardware.ok()) {
+    problem = {false, hardware.message()};
+    return nullptr;
+  }
+  auto session = session::Session::create(std::move(scene), options, std::move(hardware).value());
+  if (!session.ok()) {
+    problem = {true, session.message()};
+    return nullptr;
+  }
+  return std::move(session).value();
+}
+
+Status check_core(int cpu) {
+  if (loop::may_stay_on(cpu)) return Status::good();
+  return Status::error(fmt::format(
+      "--cpu: this program cannot stay on core {}; accepted: a core that is online and in its cpuset, such as {}", cpu,
+      cores_without(-1).back()));
+}
+
 // A real device is timed without force, as nobody asked for any, and without pauses, in which it would miss commands.
 void keep_unforced(TimingOptions& o) {
   const auto choice = hal::choose_device(o.run.device);
@@ -215,10 +243,8 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
                                        const WindowWatcher& visitor) {
   TimingOptions options = given;
   if (options.run.cpu < 0) options.run.cpu = cores_without(-1).back();
-  if (!loop::may_stay_on(options.run.cpu)) {
-    problem = {false, fmt::format("--cpu: this program cannot stay on core {}; accepted: a core that is online and in "
-                                  "its cpuset, such as {}",
-                                  options.run.cpu, cores_without(-1).back())};
+  if (const Status status = check_core(options.run.cpu); !status.ok()) {
+    problem = {false, status.message()};
     return std::nullopt;
   }
   keep_unforced(options);
@@ -242,21 +268,17 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
     if (!started.ok()) return fail(false, "--os-noise: " + started.message());
     noise = std::move(started).value();
   }
-  const auto profile = session::find_description(scene->device.profile, options.run.device_file);
-  if (!profile.ok()) return fail(true, profile.message());
-  auto hardware = session::open_hardware(options.run, profile.value());
-  if (!hardware.ok()) return fail(false, hardware.message());
-  auto session = session::Session::create(std::move(*scene), options.run, std::move(hardware).value());
-  if (!session.ok()) return fail(true, session.message());
+  const auto session = session_of(std::move(*scene), options.run, problem);
+  if (!session) return std::nullopt;
   stay_on(cores_without(options.run.cpu));  // for this thread and those that it starts; the haptic thread pins itself
   session::RealtimeTaps taps;
   if (options.with_viewer) {
-    const auto prepared = visitor.prepare(*session.value());
+    const auto prepared = visitor.prepare(*session);
     if (!prepared.ok()) return fail(false, prepared.message());
     taps = prepared.value();
   }
   // The real loop has its flight recorder.
-  if (const Status status = session.value()->record(""); !status.ok()) return fail(false, status.message());
+  if (const Status status = session->record(""); !status.ok()) return fail(false, status.message());
 
   const auto period_ns = static_cast<std::int64_t>(std::llround(options.run.period_s() * 1e9));
   const auto warm_up = static_cast<std::uint64_t>(kWarmUp_s * options.run.rate_Hz);
@@ -278,7 +300,7 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
     return elapsed_s < options.duration_s + kGrace_s;
   };
   Watcher watcher(probe, noise.get(), visitor, result);
-  auto summary = session::run_realtime(*session.value(), hooks, stop);
+  auto summary = session::run_realtime(*session, hooks, stop);
   watcher.stop();
   if (!summary.ok()) return fail(false, summary.message());
   if (!watcher.status().ok()) return fail(false, watcher.status().message());

@@ -16,7 +16,7 @@
 
 namespace tactus::timing {
 
-// Who watches in every second window; each is called while the loop rests, except `counts`.
+// A viewer that watches in every second window. Its functions are called while the loop rests, except `counts`.
 struct WindowWatcher {
   // Before the run: makes it watchable. Returns what the global thread calls after each step.
   std::function<Result<session::RealtimeTaps>(session::Session&)> prepare;

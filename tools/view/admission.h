@@ -1,4 +1,4 @@
-// Who may see a run through `tactus view`: another page of the same browser and another user of the PC may not.
+// Decides who may see a run through `tactus view`: no other page of the same browser, and no other user of the PC.
 //
 // A WebSocket needs all of: a Host that is this machine's loopback by name (a foreign one is DNS rebinding), an Origin
 // equal to "http://" and that Host, and the token of this start, handed over as a sub-protocol. Pure. Thread: any.

@@ -1,4 +1,4 @@
-// Where a tape's keyframes are, how long it is, and what is wrong with it: by reading it once.
+// Reads a tape once, for its length, the places of its keyframes, and its damage.
 //
 // Thread: one, normal. Bound: 24 bytes for each keyframe, of which there is one a second.
 #pragma once

@@ -132,7 +132,7 @@ std::string TapeSource::note(const TapeShow& show) const {
   return text + fmt::format("The world outside is shown up to snapshot {}: {}", history.cycles(), why);
 }
 
-// What the verdict covers.
+// Says which part of the tape, and which rules, the verdict covers.
 std::string TapeSource::judged(const TapeShow& show) {
   std::string text = "of the whole tape";
   const bool outside = haptics::traits_of(show.tape().settings.options.coupling).global_world;

@@ -2,7 +2,7 @@
 // thread, SubWorldReport H(n) back. Values only, written in place in a double buffer, so unused capacity costs nothing.
 //
 // Thread: values; the global world's writes a snapshot and the haptic one [rt] reads it, a report goes the other way
-// (exchange.h). Frame: world, unless a field says otherwise. Units: SI. Source: the paper, section 2; rt/README.md
+// (exchange.h). Frame: world, unless a field says otherwise. Units: SI. Source: the paper, section 2; rt/loop/README.md
 // shows the cycle in which they are exchanged. Bound: the capacities below; the writer keeps the most important entries
 // (its order) and counts the rest.
 #pragma once
@@ -114,7 +114,7 @@ struct BorderReturn {
   double normal_impulse_Ns{0};
 };
 
-// What members gave to an outside body over the cycle, by contacts and joints.
+// The impulse that members gave to an outside body over the cycle, by contacts and joints.
 struct OutsideImpulse {
   BodyId id{kNoBody};
   std::uint32_t padding{0};

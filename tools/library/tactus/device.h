@@ -45,7 +45,7 @@ enum class Reading : std::uint32_t {
 struct DeviceSample {
   Vector3 position_m{};             ///< of the tool, device frame
   Quaternion rotation{1, 0, 0, 0};  ///< device from tool; not written by a device without rotation
-  std::uint32_t buttons{0};         ///< bit 0 first, 1: pressed
+  std::uint32_t buttons{0};         ///< bit i is 1 while button i is pressed
   std::uint32_t fault{0};           ///< not 0: the device's own fault number. Force off until a re-arm
 };
 

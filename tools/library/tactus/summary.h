@@ -10,7 +10,7 @@
 
 namespace tactus {
 
-/// Result of the rules in the README's *What a summary means*.
+/// Result of the rules in tools/session/README.md, *What a summary means*.
 enum class Verdict : std::uint32_t {
   kGood = 0,      ///< the hand felt what the scene defines
   kDegraded = 1,  ///< reduced quality: the machine did not keep up, or something was left out
