@@ -160,4 +160,5 @@ def main(files):
             print(f"{file}:{line}: {rule}: {lines[line - 1].strip()[:120]}")
 
 
-main(sys.argv[1:])
+if __name__ == "__main__":
+    main(sys.argv[1:])

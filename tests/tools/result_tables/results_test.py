@@ -15,10 +15,18 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT / "tools")]
 from result_tables import border, engines, instructions, page, parts, words  # noqa: E402
 
-loader = importlib.machinery.SourceFileLoader("results", str(ROOT / "tools/results"))
-spec = importlib.util.spec_from_loader("results", loader)
-results = importlib.util.module_from_spec(spec)
-loader.exec_module(results)
+
+
+def script(name):
+    """A script without .py as a module."""
+    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "tools" / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    loader.exec_module(module)
+    return module
+
+
+results = script("results")
+source_figures = script("source_figures")
 
 STAMP = page.stamp(["2026-11-28", "2026-11-27"], "0123456789ab", "AMD EPYC, 2 cores", "`tactus experiment scaling`")
 TABLE = "| a |\n| --- |\n| 1 |"
@@ -224,6 +232,19 @@ class Rows(unittest.TestCase):
                                (words.overlap_mm(0.0072), "7.2"), (words.duration(59), "59 s"), (words.duration(5400), "90 min"),
                                (words.duration(7200), "2.0 h")):
             self.assertEqual(made, expected)
+
+
+class SourceFigures(unittest.TestCase):
+    def test_a_function_has_the_lines_from_its_name_to_its_last_brace_and_its_parameters(self):
+        text = ("int f(int a, std::pair<int, int> b) noexcept {\n  if (a) {\n    return 1;\n  }\n  return g(a, 2, 3);\n}\n"
+                "struct S {\n  S() : a_(1), b_{2} {}\n  void h(int);\n};\n// void not_one() {\n")
+        self.assertEqual(list(source_figures.functions(text)), [("f", 6, 2), ("S", 1, 0)])
+
+    def test_the_choices_are_named_in_ten_files_at_most_and_no_function_has_more_than_six_parameters(self):
+        rows = source_figures.figures("")
+        for choice in source_figures.CHOICES:
+            self.assertLessEqual(int(rows[f"files that name {choice}, without tests"]), 10)
+        self.assertLessEqual(int(rows["most parameters, without tests"].split(":")[0]), 6)
 
 
 if __name__ == "__main__":
