@@ -1,4 +1,4 @@
-// Steps of a settled heap by sub-steps: what a further sub-step costs is the solver's sweeps, the rest is the same.
+// Steps of a settled heap with different numbers of sub-steps: the difference is the cost of the solver's sweeps.
 #include <benchmark/benchmark.h>
 
 #include "tools/bench/heap.h"

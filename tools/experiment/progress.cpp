@@ -31,7 +31,7 @@ Progress terminal_progress() {
   };
 }
 
-void Pace::say(const std::string& doing, double done) const {
+void WorkProgress::say(const std::string& doing, double done) const {
   if (!progress_) return;
   const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   progress_(done > 0 ? fmt::format("{}, about {:.0f} s left", doing, std::max(0.0, elapsed_s * (work_ / done - 1)))

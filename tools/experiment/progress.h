@@ -15,11 +15,11 @@ using Progress = std::function<void(const std::string& doing)>;
 Progress terminal_progress();
 
 // Estimates the remaining time from the rate so far: "scene pile, seed 3 of 20, about 40 s left".
-class Pace {
+class WorkProgress {
  public:
   // `work`: total work, in any unit. `progress` must outlive this.
-  Pace(const Progress& progress, double work) : progress_(progress), work_(work) {}
-  Pace(const Progress&& progress, double work) = delete;  // a temporary would not outlive this
+  WorkProgress(const Progress& progress, double work) : progress_(progress), work_(work) {}
+  WorkProgress(const Progress&& progress, double work) = delete;  // a temporary would not outlive this
   // `done`: of the work, so far.
   void say(const std::string& doing, double done) const;
 

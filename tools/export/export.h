@@ -19,8 +19,8 @@ struct ExportOptions {
   std::string csv, hdf5, mcap, perfetto;                 // files; empty: not asked for
   double from_s{0};                                      // simulated time: ticks that end at or after it
   double to_s{std::numeric_limits<double>::infinity()};  // and before it
-  std::vector<std::string> signals;  // columns or groups; empty: all, of Perfetto's the ones that are drawn best
-  double world_Hz{0};                // frames of bodies per second of simulated time; 0: none
+  std::vector<std::string> signals;                      // columns or groups; empty: all, for Perfetto kDrawnBest
+  double world_Hz{0};                                    // frames of bodies per second of simulated time; 0: none
   bool overwrite{false};
 };
 

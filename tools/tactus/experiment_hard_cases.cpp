@@ -72,7 +72,7 @@ int print_seeds(const HardCasesOptions& options, Compute&& compute) {
 int run_random_worlds(const HardCasesOptions& options) {
   if (options.parts.part >= 0) return print_seeds(options, hard_cases::broken_worlds);
   const experiment::Progress progress = experiment::terminal_progress();
-  const experiment::Pace pace(progress, static_cast<double>(options.random));
+  const experiment::WorkProgress pace(progress, static_cast<double>(options.random));
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   int exit_code = kExitGood;
   double done = 0;
@@ -104,7 +104,7 @@ int run_random_trials(const HardCasesOptions& options) {
   report.first = options.first;
   report.worlds = options.random;
   const experiment::Progress progress = experiment::terminal_progress();
-  const experiment::Pace pace(progress, static_cast<double>(options.random));
+  const experiment::WorkProgress pace(progress, static_cast<double>(options.random));
   const auto take = [&](hard_cases::Trials trials) {
     report.add(std::move(trials));
     const std::size_t done = report.rows.size() + report.left_out.size();

@@ -70,7 +70,7 @@ std::string budget_text(const TimingResult& r, const Machine& machine) {
   if (r.verdict() == TimingVerdict::kBad) return {};
   const double period_us = 1e6 / r.options.run.rate_Hz;
   const double worst_us = static_cast<double>(r.statistics.compute.max_ns()) * 1e-3;
-  const Histogram& wake = r.statistics.stages[static_cast<std::size_t>(Stage::kWake)];
+  const Histogram& wake = r.statistics.stages[static_cast<std::size_t>(TimedStage::kWake)];
   ordered_json j{{"tactus", "budget"},
                  {"format", kFormat},
                  {"machine",

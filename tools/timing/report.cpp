@@ -12,7 +12,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-const Histogram& wake(const TimingResult& r) { return r.statistics.stages[static_cast<std::size_t>(Stage::kWake)]; }
+const Histogram& wake(const TimingResult& r) {
+  return r.statistics.stages[static_cast<std::size_t>(TimedStage::kWake)];
+}
 
 std::string times_line(const std::string& name, const Histogram& h) {
   return fmt::format("  {:<24} {:>8.1f} {:>8.1f} {:>8.1f} {:>9.1f}\n", name, us(h.percentile_ns(50)),
@@ -50,7 +52,7 @@ std::string stages_text(const TimingResult& r) {
   const TickStatistics& b = r.statistics;
   std::string text =
       fmt::format("time of                     {:>8} {:>8} {:>8} {:>9}  us\n", "p50", "p99", "p99.99", "max");
-  for (std::uint32_t i = 0; i < kStages; ++i) text += times_line(name_of(static_cast<Stage>(i)), b.stages[i]);
+  for (std::uint32_t i = 0; i < kStages; ++i) text += times_line(name_of(static_cast<TimedStage>(i)), b.stages[i]);
   text += times_line("execution", b.execution);
   text += times_line("  computing", b.compute);
   text += times_line("  the loop's own part", b.overhead);
@@ -175,7 +177,8 @@ ordered_json to_json(const TimingResult& r) {
                  {"scene_hash", r.summary.scene_hash}, {"verdict", name_of(r.verdict())},
                  {"degraded", r.summary.degraded()},   {"ticks", b.ticks},
                  {"rate_Hz", r.options.run.rate_Hz},   {"cpu", r.options.run.cpu}};
-  for (std::uint32_t i = 0; i < kStages; ++i) j["stages"][name_of(static_cast<Stage>(i))] = times_json(b.stages[i]);
+  for (std::uint32_t i = 0; i < kStages; ++i)
+    j["stages"][name_of(static_cast<TimedStage>(i))] = times_json(b.stages[i]);
   j["execution"] = times_json(b.execution);
   j["computing"] = times_json(b.compute);
   j["own_part"] = times_json(b.overhead);

@@ -9,26 +9,26 @@ std::int64_t lateness_ns(const loop::TickTimes& tick) { return tick.wrote_ns - t
 
 }  // namespace
 
-const char* name_of(Stage stage) {
+const char* name_of(TimedStage stage) {
   constexpr std::array<const char*, kStages> names{"wake", "read", "adopt", "couple", "collide", "solve", "write"};
   return names[static_cast<std::size_t>(stage)];
 }
 
-std::int64_t duration_ns(const loop::TickTimes& t, Stage stage) {
+std::int64_t duration_ns(const loop::TickTimes& t, TimedStage stage) {
   switch (stage) {
-    case Stage::kWake:
+    case TimedStage::kWake:
       return t.woke_ns - t.scheduled_ns;
-    case Stage::kRead:
+    case TimedStage::kRead:
       return t.read_ns - t.woke_ns;
-    case Stage::kAdopt:
+    case TimedStage::kAdopt:
       return t.adopted_ns - t.read_ns;
-    case Stage::kCouple:
+    case TimedStage::kCouple:
       return t.coupled_ns - t.adopted_ns;
-    case Stage::kCollide:
+    case TimedStage::kCollide:
       return t.collided_ns - t.coupled_ns;
-    case Stage::kSolve:
+    case TimedStage::kSolve:
       return t.stepped_ns - t.collided_ns;
-    case Stage::kWrite:
+    case TimedStage::kWrite:
       return t.wrote_ns - t.stepped_ns;
   }
   return 0;
@@ -50,7 +50,7 @@ void TickStatistics::add_loop(const loop::TickTimes& t) {
     return;
   }
   ++ticks;
-  for (std::uint32_t i = 0; i < kStages; ++i) stages[i].record(duration_ns(t, static_cast<Stage>(i)));
+  for (std::uint32_t i = 0; i < kStages; ++i) stages[i].record(duration_ns(t, static_cast<TimedStage>(i)));
   execution.record(t.wrote_ns - t.woke_ns);
   done.record(lateness_ns(t));
   compute.record(t.computed_ns - t.read_ns);
@@ -82,7 +82,7 @@ void TickStatistics::add_loop(const loop::TickTimes& t) {
 void TickStatistics::add_bare(const loop::TickTimes& t) {
   if (warm_up < settings_.warm_up_ticks || t.into_window < settings_.settle_ticks) return;
   ++bare_ticks;
-  bare_wake.record(duration_ns(t, Stage::kWake));
+  bare_wake.record(duration_ns(t, TimedStage::kWake));
 }
 
 // The latest kWorst; later ticks are added to a spike as they arrive.

@@ -15,11 +15,11 @@
 
 namespace tactus::timing {
 
-enum class Stage : std::uint32_t { kWake, kRead, kAdopt, kCouple, kCollide, kSolve, kWrite };
+enum class TimedStage : std::uint32_t { kWake, kRead, kAdopt, kCouple, kCollide, kSolve, kWrite };
 inline constexpr std::uint32_t kStages = 7;
-const char* name_of(Stage stage);
+const char* name_of(TimedStage stage);
 // Duration from the end of the previous stage, or from the deadline.
-std::int64_t duration_ns(const loop::TickTimes& tick, Stage stage);
+std::int64_t duration_ns(const loop::TickTimes& tick, TimedStage stage);
 
 struct Spike {
   loop::TickTimes times;

@@ -43,7 +43,7 @@ void add_tick(ordered_json& events, const loop::TickTimes& t, std::int64_t origi
   const std::int64_t ends[kStages]{t.woke_ns,     t.read_ns,    t.adopted_ns, t.coupled_ns,
                                    t.collided_ns, t.stepped_ns, t.wrote_ns};
   for (std::uint32_t i = 1; i < kStages; ++i)
-    events.push_back(slice(name_of(static_cast<Stage>(i)), ends[i - 1], ends[i], origin_ns));
+    events.push_back(slice(name_of(static_cast<TimedStage>(i)), ends[i - 1], ends[i], origin_ns));
   events.push_back({{"name", "deadline"},
                     {"ph", "i"},
                     {"s", "t"},

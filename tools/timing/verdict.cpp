@@ -12,7 +12,7 @@ std::vector<VerdictRow> judge(const TickStatistics& b) {
   const double period_us = static_cast<double>(b.settings().period_ns) * 1e-3;
   const auto own = b.overruns_by_cause[static_cast<std::size_t>(Cause::kOwnWork)];
   const double ticks = b.ticks > 0 ? static_cast<double>(b.ticks) : 1;
-  const Histogram& wake = b.stages[static_cast<std::size_t>(Stage::kWake)];
+  const Histogram& wake = b.stages[static_cast<std::size_t>(TimedStage::kWake)];
   // Figure, unit, measured, limit, ours.
   return {
       {"ticks lost to own work", "", static_cast<double>(own), 0, true},

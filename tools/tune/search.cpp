@@ -15,9 +15,9 @@ constexpr unsigned kMaxRounds = 16;
 // the second factor.
 constexpr double kWorth = 0.98, kForNothing = 1.005;
 
-// `what`: a member of Setting, or a function that returns a reference to the part that changes.
+// `what`: a member of CostSetting, or a function that returns a reference to the part that changes.
 template <class What, class T>
-void add(std::vector<SettingStep>& changes, const char* factor, const Setting& from, What what, T to) {
+void add(std::vector<SettingStep>& changes, const char* factor, const CostSetting& from, What what, T to) {
   const T now = std::invoke(what, from);
   if (now == to) return;
   SettingStep change{.factor = factor, .from = fmt::format("{}", now), .to = fmt::format("{}", to), .setting = from};
@@ -38,38 +38,39 @@ bool Trial::fits(const Limits& limits) const {
          setting.sub_steps <= limits.sub_steps;
 }
 
-std::vector<SettingStep> changes_up(const Setting& s, const Limits& limits) {
+std::vector<SettingStep> changes_up(const CostSetting& s, const Limits& limits) {
   std::vector<SettingStep> changes;
-  if (2 * s.sub_steps <= limits.sub_steps) add(changes, "sub-steps", s, &Setting::sub_steps, 2 * s.sub_steps);
-  if (s.relax_sweeps < 2) add(changes, "relax sweeps", s, &Setting::relax_sweeps, 2u);
+  if (2 * s.sub_steps <= limits.sub_steps) add(changes, "sub-steps", s, &CostSetting::sub_steps, 2 * s.sub_steps);
+  if (s.relax_sweeps < 2) add(changes, "relax sweeps", s, &CostSetting::relax_sweeps, 2u);
   const unsigned most = std::min(limits.members, limits.bodies);
-  if (s.members < most) add(changes, "members", s, &Setting::members, std::min(2 * s.members, most));
-  if (2 * s.members < most) add(changes, "members", s, &Setting::members, most);
+  if (s.members < most) add(changes, "members", s, &CostSetting::members, std::min(2 * s.members, most));
+  if (2 * s.members < most) add(changes, "members", s, &CostSetting::members, most);
   const auto below = std::lower_bound(kRatios.begin(), kRatios.end(), s.scheme.ratio);
   if (below != kRatios.begin()) add(changes, "ratio", s, kRatioOf, *(below - 1));
   return changes;
 }
 
-std::vector<SettingStep> changes_down(const Setting& s, const Limits& limits) {
+std::vector<SettingStep> changes_down(const CostSetting& s, const Limits& limits) {
   std::vector<SettingStep> changes;
   const unsigned sub_steps = std::min(std::max(1u, s.sub_steps / 2), limits.sub_steps);
   if (sub_steps >= sim::least_sub_steps(s.contact_Hz, 1 / experiment::kHapticRate_Hz))
-    add(changes, "sub-steps", s, &Setting::sub_steps, sub_steps);
-  if (s.relax_sweeps > 1) add(changes, "relax sweeps", s, &Setting::relax_sweeps, 1u);
-  add(changes, "members", s, &Setting::members, std::min({std::max(1u, s.members / 2), limits.members, limits.bodies}));
+    add(changes, "sub-steps", s, &CostSetting::sub_steps, sub_steps);
+  if (s.relax_sweeps > 1) add(changes, "relax sweeps", s, &CostSetting::relax_sweeps, 1u);
+  add(changes, "members", s, &CostSetting::members,
+      std::min({std::max(1u, s.members / 2), limits.members, limits.bodies}));
   const auto above = std::upper_bound(kRatios.begin(), kRatios.end(), s.scheme.ratio);
   if (above != kRatios.end()) add(changes, "ratio", s, kRatioOf, *above);
   return changes;
 }
 
-std::vector<SettingStep> changes_stiffer(const Setting& s) {
+std::vector<SettingStep> changes_stiffer(const CostSetting& s) {
   std::vector<SettingStep> changes;
   if (s.sub_steps >= sim::least_sub_steps(2 * s.contact_Hz, 1 / experiment::kHapticRate_Hz))
-    add(changes, "contact frequency [Hz]", s, &Setting::contact_Hz, 2 * s.contact_Hz);
+    add(changes, "contact frequency [Hz]", s, &CostSetting::contact_Hz, 2 * s.contact_Hz);
   return changes;
 }
 
-Found search(const Setting& start, const Limits& limits, const Measure& measure) {
+Found search(const CostSetting& start, const Limits& limits, const Measure& measure) {
   Found found;
   found.best = measure(start);
   for (unsigned round = 0; round < kMaxRounds && !found.best.fits(limits); ++round) {

@@ -14,7 +14,7 @@
 
 namespace tactus::tune {
 
-using experiment::Setting;
+using experiment::CostSetting;
 
 // The ratios that are tried, ascending; in addition to the scene's ratio.
 inline constexpr std::array kRatios{1u, 2u, 4u, 8u, 16u};
@@ -29,7 +29,7 @@ struct Limits {
 
 // Error and computing time of a setting on this PC.
 struct Trial {
-  Setting setting;
+  CostSetting setting;
   double force_error{0};                  // RMS(F - F_ref) / RMS(F_ref)
   double tick_us_p50{0}, tick_us_p99{0};  // of the haptic side, in the loop
   double global_us_per_tick{0};           // 9 of 10 global steps take less than ratio times this
@@ -38,17 +38,17 @@ struct Trial {
 
 struct SettingStep {
   std::string factor, from, to;
-  Setting setting;
+  CostSetting setting;
 };
 
 // Steps from `setting`, one factor at a time: towards higher accuracy, and back. Within the limits of members and
 // sub-steps.
-std::vector<SettingStep> changes_up(const Setting& setting, const Limits& limits);
-std::vector<SettingStep> changes_down(const Setting& setting, const Limits& limits);
+std::vector<SettingStep> changes_up(const CostSetting& setting, const Limits& limits);
+std::vector<SettingStep> changes_down(const CostSetting& setting, const Limits& limits);
 // Steps to stiffer contacts, if the sub-steps resolve them; otherwise empty.
-std::vector<SettingStep> changes_stiffer(const Setting& setting);
+std::vector<SettingStep> changes_stiffer(const CostSetting& setting);
 
-using Measure = std::function<Trial(const Setting&)>;
+using Measure = std::function<Trial(const CostSetting&)>;
 
 struct Found {
   Trial best;
@@ -56,6 +56,6 @@ struct Found {
 };
 
 // `measure` may be called more than once for a setting; it must cache its results.
-Found search(const Setting& start, const Limits& limits, const Measure& measure);
+Found search(const CostSetting& start, const Limits& limits, const Measure& measure);
 
 }  // namespace tactus::tune

@@ -41,7 +41,7 @@ class OnOneCore {
   cpu_set_t before_{};
 };
 
-session::RunOptions run_options(const TuneRequest& request, const Setting& setting, double duration_s) {
+session::RunOptions run_options(const TuneRequest& request, const CostSetting& setting, double duration_s) {
   session::RunOptions options = request.run;
   options.rate_Hz = kHapticRate_Hz;
   options.members = setting.members;
@@ -50,7 +50,7 @@ session::RunOptions run_options(const TuneRequest& request, const Setting& setti
   return options;
 }
 
-Result<RealRun> run_for_real(const TuneRequest& request, const Setting& setting, const std::atomic<bool>& stop) {
+Result<RealRun> run_for_real(const TuneRequest& request, const CostSetting& setting, const std::atomic<bool>& stop) {
   auto session = session::Session::create(experiment::with(request.scene, setting),
                                           run_options(request, setting, request.verify_s));
   if (!session.ok()) return session.status();
@@ -92,9 +92,9 @@ void keep_strongest(ReferenceRun& reference, std::size_t count) {
 }
 
 // Measures settings against the reference, each once.
-class Bench {
+class SettingTrials {
  public:
-  Bench(const TuneRequest& request, const hal::DeviceProfile& profile) : request_(request), profile_(profile) {
+  SettingTrials(const TuneRequest& request, const hal::DeviceProfile& profile) : request_(request), profile_(profile) {
     ratios_.assign(kRatios.begin(), kRatios.end());
     const unsigned written = request.run.ratio != 0 ? request.run.ratio : request.scene.ratio;
     if (std::find(ratios_.begin(), ratios_.end(), written) == ratios_.end()) ratios_.push_back(written);
@@ -111,7 +111,7 @@ class Bench {
   unsigned trials() const { return static_cast<unsigned>(known_.size()); }
   double core_factor{1};
 
-  Trial measure(const Setting& setting) {
+  Trial measure(const CostSetting& setting) {
     const auto before =
         std::find_if(known_.begin(), known_.end(), [&](const Trial& t) { return t.setting == setting; });
     Trial trial = before != known_.end() ? *before : measure_again(setting);
@@ -121,7 +121,7 @@ class Bench {
   }
 
  private:
-  Trial measure_again(const Setting& setting) {
+  Trial measure_again(const CostSetting& setting) {
     experiment::SettingSums sums;
     experiment::measure_setting(request_.scene, profile_, setting, reference_, ratios_, sums);
     known_.push_back({.setting = setting,
@@ -139,9 +139,9 @@ class Bench {
   std::vector<Trial> known_;  // times of ticks run back to back
 };
 
-Setting written_setting(const TuneRequest& request, unsigned bodies) {
+CostSetting written_setting(const TuneRequest& request, unsigned bodies) {
   const sim::Scene& scene = request.scene;
-  Setting setting;
+  CostSetting setting;
   setting.sub_steps = scene.solver.sub_steps;
   setting.relax_sweeps = scene.solver.relax_sweeps;
   setting.friction = scene.solver.friction_sweeps;
@@ -156,7 +156,7 @@ Setting written_setting(const TuneRequest& request, unsigned bodies) {
 
 // If a setting fails in the real-time run, takes the most accurate step back in the part that failed: the time of the
 // global world or of the tick.
-Trial step_back(const Trial& from, const RealRun& real, const Limits& limits, Bench& bench) {
+Trial step_back(const Trial& from, const RealRun& real, const Limits& limits, SettingTrials& bench) {
   const bool world_is_late = real.late_share > kMaxMissed;
   std::vector<Trial> tried;
   for (const SettingStep& change : changes_down(from.setting, limits))
@@ -184,16 +184,16 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
                     request.scene.name, report.bodies, haptics::kMaxMembers));
   const auto profile = session::find_description(request.scene.device.profile, {});
   if (!profile.ok()) return profile.status();
-  const Setting written = written_setting(request, report.bodies);
+  const CostSetting written = written_setting(request, report.bodies);
   report.of_scene = session::judge(sim::report_on(request.scene, profile.value().properties, request.run.period_s()));
 
-  const experiment::Pace pace(progress, kReferenceWork + kTrials + 2 * kRealWork);
+  const experiment::WorkProgress pace(progress, kReferenceWork + kTrials + 2 * kRealWork);
   pace.say("the scene as it is written, in real time", 0);
   const auto real_written = run_for_real(request, written, stop);
   if (!real_written.ok()) return real_written.status();
   pace.say("reference: all bodies at 1 kHz", kRealWork);
   std::optional<OnOneCore> pinned(std::in_place);
-  Bench bench(request, profile.value());
+  SettingTrials bench(request, profile.value());
   if (bench.windows() == 0)
     return Status::error(fmt::format("{}: the hand touches nothing in its first {} s; accepted: a script that does",
                                      request.scene.name, request.quick ? 3 : 6));
@@ -201,7 +201,7 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
   const double in_a_row_us = bench.measure(written).tick_us_p99;
   bench.core_factor = std::clamp(real_written.value().tick_us_p99 / std::max(1e-3, in_a_row_us), 1.0, kMaxCoreFactor);
   report.core_factor = bench.core_factor;
-  const Measure measure = [&](const Setting& setting) {
+  const Measure measure = [&](const CostSetting& setting) {
     pace.say(fmt::format("{} sub-steps, {} relax sweeps, {} members, ratio {}", setting.sub_steps, setting.relax_sweeps,
                          setting.members, setting.scheme.ratio),
              kRealWork + kReferenceWork + bench.trials());

@@ -12,7 +12,7 @@ namespace {
 using nlohmann::ordered_json;
 
 std::string line_of(const char* name, const Trial& t) {
-  const Setting& s = t.setting;
+  const CostSetting& s = t.setting;
   return fmt::format("{:<11} {:>9} {:>6} {:>8} {:>6} {:>12.3f} {:>12.0f} {:>15.0f}\n", name, s.sub_steps,
                      s.relax_sweeps, s.members, s.scheme.ratio, 100 * t.force_error, t.tick_us_p99,
                      t.global_us_per_tick);
@@ -44,7 +44,7 @@ std::string sentence_of(const FurtherStep& step, const Trial& chosen, const Limi
 }
 
 ordered_json to_json(const Trial& t) {
-  const Setting& s = t.setting;
+  const CostSetting& s = t.setting;
   return {
       {"sub_steps", s.sub_steps},     {"relax_sweeps", s.relax_sweeps}, {"contact_Hz", s.contact_Hz},
       {"members", s.members},         {"ratio", s.scheme.ratio},        {"force_error_rms", t.force_error},
@@ -59,7 +59,7 @@ std::string command_of(const TuneReport& report) {
 }
 
 std::string snippet_of(const TuneReport& report) {
-  const Setting& s = report.chosen.setting;
+  const CostSetting& s = report.chosen.setting;
   return fmt::format("[simulation]\nsub_steps = {}\nrelax_sweeps = {}\nmembers = {}\nratio = {}\n", s.sub_steps,
                      s.relax_sweeps, s.members, s.scheme.ratio);
 }

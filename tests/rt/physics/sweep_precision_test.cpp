@@ -32,7 +32,7 @@ TEST_CASE("Sweeps in single precision leave a free body's velocity as it is, to 
   bench.run(1000);
   CHECK(bench.velocity(1).linear == thrown.linear);
   CHECK(bench.velocity(1).angular == thrown.angular);
-  // A step's way is exact to single precision of itself: 1000 of them, all rounded alike at worst.
+  // The motion of a step is exact to single precision; at worst all 1000 steps round to the same side.
   CHECK(norm(bench.position(1) - 1.0 * thrown.linear) < 6e-8 * norm(thrown.linear) * 4);
 }
 

@@ -28,8 +28,8 @@ TEST_CASE("the stages of a tick are the times between its marks, and add up to t
   const std::int64_t expected_us[kStages]{5, 10, 2, 3, 60, 120, 20};
   std::int64_t sum_ns = 0;
   for (std::uint32_t i = 0; i < kStages; ++i) {
-    CHECK(duration_ns(t, static_cast<Stage>(i)) == 1000 * expected_us[i]);
-    sum_ns += duration_ns(t, static_cast<Stage>(i));
+    CHECK(duration_ns(t, static_cast<TimedStage>(i)) == 1000 * expected_us[i]);
+    sum_ns += duration_ns(t, static_cast<TimedStage>(i));
   }
   CHECK(sum_ns == t.wrote_ns - t.scheduled_ns);
 }

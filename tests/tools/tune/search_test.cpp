@@ -14,7 +14,7 @@ struct Model {
   double us_per_member_sub_step{1};
   double global_us{1600};  // of a step
 
-  Trial operator()(const Setting& s) const {
+  Trial operator()(const CostSetting& s) const {
     Trial trial;
     trial.setting = s;
     trial.force_error = 0.2 / s.sub_steps + (s.relax_sweeps == 1 ? 0.05 : 0) + 0.5 * (1 - s.members / 64.0) +
@@ -25,7 +25,7 @@ struct Model {
   }
 };
 
-Setting setting(unsigned sub_steps, unsigned relax_sweeps, unsigned members, unsigned ratio) {
+CostSetting setting(unsigned sub_steps, unsigned relax_sweeps, unsigned members, unsigned ratio) {
   return {.sub_steps = sub_steps,
           .relax_sweeps = relax_sweeps,
           .contact_Hz = 250,
@@ -79,10 +79,10 @@ TEST_CASE("A change of setting is of one factor, stays within the limits and res
   Limits limits = kLimits;
   limits.members = 20;
   limits.sub_steps = 8;
-  for (const Setting& s : {setting(1, 1, 2, 16), setting(4, 2, 16, 10), setting(8, 2, 20, 1)}) {
+  for (const CostSetting& s : {setting(1, 1, 2, 16), setting(4, 2, 16, 10), setting(8, 2, 20, 1)}) {
     for (const auto& changes : {changes_up(s, limits), changes_down(s, limits)})
       for (const SettingStep& change : changes) {
-        const Setting& to = change.setting;
+        const CostSetting& to = change.setting;
         CHECK((to.sub_steps != s.sub_steps) + (to.relax_sweeps != s.relax_sweeps) + (to.members != s.members) +
                   (to.scheme.ratio != s.scheme.ratio) ==
               1);

@@ -28,7 +28,7 @@ using sim::CutOrder;
 constexpr unsigned kDefaultRatio = 8;
 constexpr double kReferenceWork = 5;  // work of the reference run, in units of one setting on its windows
 
-CostPoint point_of(const std::string& scene, const Setting& setting, const SettingSums& sums) {
+CostPoint point_of(const std::string& scene, const CostSetting& setting, const SettingSums& sums) {
   CostPoint point;
   point.scene = scene;
   point.setting = setting;
@@ -47,13 +47,13 @@ CostPoint point_of(const std::string& scene, const Setting& setting, const Setti
 // A single changed factor and its name.
 struct Change {
   std::string factor, from, to;
-  Setting setting;
+  CostSetting setting;
 };
 
-std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
+std::vector<Change> changes_of(const CostSetting& base, unsigned bodies) {
   std::vector<Change> changes;
   const auto add = [&](const char* factor, auto from, auto to, auto&& set) {
-    Setting changed = base;
+    CostSetting changed = base;
     set(changed);
     if (!(changed == base))
       changes.push_back(
@@ -61,34 +61,34 @@ std::vector<Change> changes_of(const Setting& base, unsigned bodies) {
   };
   for (const unsigned n : {2u, 4u, 8u, 16u})
     if (n >= sim::least_sub_steps(base.contact_Hz, 1 / kHapticRate_Hz))
-      add("sub-steps", base.sub_steps, n, [n](Setting& s) { s.sub_steps = n; });
+      add("sub-steps", base.sub_steps, n, [n](CostSetting& s) { s.sub_steps = n; });
   for (const unsigned n : {1u, 2u})
-    add("relax sweeps", base.relax_sweeps, n, [n](Setting& s) {
+    add("relax sweeps", base.relax_sweeps, n, [n](CostSetting& s) {
       s.relax_sweeps = n;
       s.friction = physics::resolve(FrictionSweeps::kAuto, n);
     });
   for (const FrictionSweeps sweeps : {FrictionSweeps::kRelax, FrictionSweeps::kEvery})
     add("friction in sweeps", sim::name_of(base.friction), sim::name_of(sweeps),
-        [sweeps](Setting& s) { s.friction = sweeps; });
+        [sweeps](CostSetting& s) { s.friction = sweeps; });
   for (const double hertz : {250.0, 500.0, 1000.0})
     if (base.sub_steps >= sim::least_sub_steps(hertz, 1 / kHapticRate_Hz))
-      add("contact frequency [Hz]", base.contact_Hz, hertz, [hertz](Setting& s) { s.contact_Hz = hertz; });
+      add("contact frequency [Hz]", base.contact_Hz, hertz, [hertz](CostSetting& s) { s.contact_Hz = hertz; });
   for (const unsigned n : {base.members / 2, base.members * 2, base.members * 4})
-    if (n > 0 && n / 2 < bodies) add("members", base.members, n, [n](Setting& s) { s.members = n; });
+    if (n > 0 && n / 2 < bodies) add("members", base.members, n, [n](CostSetting& s) { s.members = n; });
   for (const unsigned n : {2u, 4u, 8u, 16u})
-    add("ratio", base.scheme.ratio, n, [n](Setting& s) { s.scheme.ratio = n; });
+    add("ratio", base.scheme.ratio, n, [n](CostSetting& s) { s.scheme.ratio = n; });
   for (const Scheme& other : every_border())
     add("border", name_of_border(base.scheme), name_of_border(other),
-        [&](Setting& s) { s.scheme.border = other.border; });
+        [&](CostSetting& s) { s.scheme.border = other.border; });
   for (const CutOrder order : {CutOrder::kBestFirst, CutOrder::kBreadthFirst})
-    add("extraction", sim::name_of(base.order), sim::name_of(order), [order](Setting& s) { s.order = order; });
+    add("extraction", sim::name_of(base.order), sim::name_of(order), [order](CostSetting& s) { s.order = order; });
   add("world precision", sim::name_of(base.precision), sim::name_of(SweepPrecision::kFull),
-      [](Setting& s) { s.precision = SweepPrecision::kFull; });
+      [](CostSetting& s) { s.precision = SweepPrecision::kFull; });
   return changes;
 }
 
-Setting default_setting(const sim::Scene& scene, unsigned members) {
-  Setting setting;
+CostSetting default_setting(const sim::Scene& scene, unsigned members) {
+  CostSetting setting;
   setting.sub_steps = scene.solver.sub_steps;
   setting.relax_sweeps = scene.solver.relax_sweeps;
   setting.friction = physics::resolve(scene.solver.friction_sweeps, setting.relax_sweeps);
@@ -103,9 +103,9 @@ double work_of(const sim::Scene& scene, const CouplingCase& one, bool quick) {
   return moving_bodies(scene) * (kReferenceWork + static_cast<double>(settings_for(scene, one.members, quick).size()));
 }
 
-std::vector<unsigned> ratios_of(const std::vector<Setting>& settings) {
+std::vector<unsigned> ratios_of(const std::vector<CostSetting>& settings) {
   std::vector<unsigned> ratios;
-  for (const Setting& setting : settings)
+  for (const CostSetting& setting : settings)
     if (std::find(ratios.begin(), ratios.end(), setting.scheme.ratio) == ratios.end())
       ratios.push_back(setting.scheme.ratio);
   return ratios;
@@ -152,7 +152,7 @@ struct CaseSums {
 };
 
 Status measure_case(const CostRequest& request, const CouplingCase& one, std::span<const HandSums> measured,
-                    const Pace& pace, double& done, CostReport& report) {
+                    const WorkProgress& pace, double& done, CostReport& report) {
   auto written = load_coupling_case(one, 0);
   if (!written.ok()) return written.status();
   const auto settings = settings_for(written.value(), one.members, request.quick);
@@ -201,7 +201,7 @@ void count_instructions(const CostRequest& request, const Progress& progress, st
   const auto cases = coupling_cases();
   const auto wanted = [](const CostPoint& point) { return point.on_front || point.is_default; };
   const auto runs = std::count_if(points.begin(), points.end(), wanted);
-  const Pace pace(progress, static_cast<double>(runs));
+  const WorkProgress pace(progress, static_cast<double>(runs));
   double done = 0;
   std::size_t setting = 0;
   for (std::size_t i = 0; i < points.size(); ++i, ++setting) {
@@ -249,10 +249,10 @@ Status run_counted(const CouplingCase& one, std::size_t setting, bool quick) {
   return Status::good();
 }
 
-std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, bool quick) {
-  const Setting base = default_setting(scene, members);
-  std::vector<Setting> settings{base};
-  const auto add = [&](const Setting& setting) {
+std::vector<CostSetting> settings_for(const sim::Scene& scene, unsigned members, bool quick) {
+  const CostSetting base = default_setting(scene, members);
+  std::vector<CostSetting> settings{base};
+  const auto add = [&](const CostSetting& setting) {
     if (std::find(settings.begin(), settings.end(), setting) == settings.end()) settings.push_back(setting);
   };
   const unsigned bodies = moving_bodies(scene);
@@ -266,7 +266,7 @@ std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, boo
           for (const Scheme& of_border : std::span(borders).first(2)) {
             if (sub_steps < sim::least_sub_steps(base.contact_Hz, 1 / kHapticRate_Hz) || cap == 0 || cap / 2 >= bodies)
               continue;
-            Setting setting = base;
+            CostSetting setting = base;
             setting.sub_steps = sub_steps;
             setting.relax_sweeps = relax_sweeps;
             setting.friction = physics::resolve(FrictionSweeps::kAuto, relax_sweeps);
@@ -308,7 +308,7 @@ Result<CostReport> run_accuracy_cost(const CostRequest& request, const std::vect
     if (!scene.ok()) return scene.status();
     work += report.timed_seeds * work_of(scene.value(), one, request.quick);
   }
-  const Pace pace(progress, work);
+  const WorkProgress pace(progress, work);
   std::span<const HandSums> left(measured);
   for (const CouplingCase& one : request.cases) {
     const auto of_case = left.first(measured.empty() ? 0 : request.seeds - 1);

@@ -17,7 +17,7 @@ namespace tactus::experiment {
 
 struct CostPoint {
   std::string scene;
-  Setting setting;
+  CostSetting setting;
   bool is_default{false}, on_front{false};
   double force_error{0};                                     // RMS(F - F_ref) / RMS(F_ref), over all windows
   std::vector<double> force_error_by_seed, tick_us_by_seed;  // same, and the median tick, for each hand
@@ -50,7 +50,7 @@ struct CostReport {
 };
 
 // The settings measured on a scene, the default first.
-std::vector<Setting> settings_for(const sim::Scene& scene, unsigned members, bool quick);
+std::vector<CostSetting> settings_for(const sim::Scene& scene, unsigned members, bool quick);
 
 // Marks the Pareto-optimal points of each scene in error and median tick.
 void mark_front(std::vector<CostPoint>& points);

@@ -95,7 +95,7 @@ std::string cost_table(const CostReport& report) {
     }
     // Only the front and the default; --csv and --json contain all points.
     if (!p.on_front && !p.is_default) continue;
-    const Setting& s = p.setting;
+    const CostSetting& s = p.setting;
     text += fmt::format(
         "  {:>9} {:>5} {:<8} {:>5g} Hz {:>7} {:>5} {:<7} {:<13} {:<9} {:>10.3f} {:>10.5f} {:>9.1f} {:>9.1f} {:>8}\n",
         s.sub_steps, s.relax_sweeps, sim::name_of(s.friction), s.contact_Hz, s.members, s.scheme.ratio,

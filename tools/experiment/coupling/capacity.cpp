@@ -167,7 +167,7 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
   for (const Scheme& scheme : request.couplings)
     work += static_cast<double>(request.rates_Hz.size()) *
             (scheme.direct() ? 1.0 : static_cast<double>(request.ratios.size()));
-  const Pace pace(progress, work);
+  const WorkProgress pace(progress, work);
   for (const double rate_Hz : request.rates_Hz) {
     unsigned direct_bodies = 0;
     for (Scheme scheme : request.couplings) {

@@ -356,7 +356,7 @@ Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progre
     weight.push_back(static_cast<double>(scene.value().bodies.size()));
     work += (request.seeds + 1) * weight.back();
   }
-  const Pace pace(progress, work);  // scenes are weighted by their number of bodies
+  const WorkProgress pace(progress, work);  // scenes are weighted by their number of bodies
   for (std::size_t c = 0; c < request.cases.size(); ++c) {
     const CouplingCase& one = request.cases[c];
     auto scene = load_coupling_case(one, 0);

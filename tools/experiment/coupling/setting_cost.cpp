@@ -42,7 +42,7 @@ void SettingSums::add(const SettingSums& other) {
   append(global_us, other.global_us);
 }
 
-sim::Scene with(sim::Scene scene, const Setting& setting) {
+sim::Scene with(sim::Scene scene, const CostSetting& setting) {
   scene.solver.sub_steps = setting.sub_steps;
   scene.solver.relax_sweeps = setting.relax_sweeps;
   scene.solver.friction_sweeps = setting.friction;
@@ -52,7 +52,7 @@ sim::Scene with(sim::Scene scene, const Setting& setting) {
   return scene;
 }
 
-session::RunOptions options_of(const Setting& setting) {
+session::RunOptions options_of(const CostSetting& setting) {
   session::RunOptions options;
   setting.scheme.set(options);
   options.order = setting.order;
@@ -81,7 +81,7 @@ ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& prof
   return record_reference(direct, arm, ticks, places, ratios);
 }
 
-void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile, const Setting& setting,
+void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile, const CostSetting& setting,
                      const ReferenceRun& reference, std::span<const unsigned> ratios, SettingSums& sums) {
   const sim::Scene solved = with(scene, setting);
   const auto options = options_of(setting);

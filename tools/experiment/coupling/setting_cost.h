@@ -21,7 +21,7 @@
 
 namespace tactus::experiment {
 
-struct Setting {
+struct CostSetting {
   unsigned sub_steps{4}, relax_sweeps{1};
   physics::FrictionSweeps friction{physics::FrictionSweeps::kAuto};
   double contact_Hz{250};
@@ -29,12 +29,12 @@ struct Setting {
   Scheme scheme;
   sim::CutOrder order{sim::CutOrder::kBestFirst};
   physics::SweepPrecision precision{physics::SweepPrecision::kSingle};  // of the global world
-  friend bool operator==(const Setting&, const Setting&) = default;
+  friend bool operator==(const CostSetting&, const CostSetting&) = default;
 };
 
 // The scene and the options of a run with this setting.
-sim::Scene with(sim::Scene scene, const Setting& setting);
-session::RunOptions options_of(const Setting& setting);  // with the sub-world coupling
+sim::Scene with(sim::Scene scene, const CostSetting& setting);
+session::RunOptions options_of(const CostSetting& setting);  // with the sub-world coupling
 
 unsigned moving_bodies(const sim::Scene& scene);
 
@@ -54,7 +54,7 @@ struct SettingSums {
 };
 
 // Adds the results of a setting on the reference's windows. Its ratio must be one of `ratios` of record_fine.
-void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile, const Setting& setting,
+void measure_setting(const sim::Scene& scene, const hal::DeviceProfile& profile, const CostSetting& setting,
                      const ReferenceRun& reference, std::span<const unsigned> ratios, SettingSums& sums);
 
 }  // namespace tactus::experiment

@@ -51,13 +51,13 @@ double turned(const Body& a, const Body& b) {
 
 double off(const Body& a, const Body& b) { return norm(a.motion.pose.position - b.motion.pose.position); }
 
-// Recording of one run, tick by tick, for the comparison and the direct run.
-// Bodies after kCompareEvery ticks times `comparison`.
+// Bodies after `comparison` times kCompareEvery ticks.
 struct PosesAt {
   std::size_t comparison;
   std::vector<Body> bodies;
 };
 
+// Recording of one run, tick by tick, for the comparison and the direct run.
 struct Trace {
   std::vector<Vec3d> force;
   std::vector<haptics::DeviceTarget> target;
@@ -378,7 +378,7 @@ Result<std::vector<WholeRunRow>> run_whole(const WholeRunRequest& request, const
   for (const sim::Scene& scene : request.scenes)
     work += static_cast<double>(scene.bodies.size() *
                                 ((request.floor ? 4 : 1) + request.schemes.size() * request.members.size()));
-  const Pace pace(progress, work);
+  const WorkProgress pace(progress, work);
   for (const sim::Scene& scene : request.scenes) {
     const auto profile = session::find_description(scene.device.profile, {});
     if (!profile.ok()) return profile.status();

@@ -116,7 +116,7 @@ MapReport run_stability_map(const MapRequest& request, const Progress& progress)
       tasks.push_back({factor, timing});
       work += work_of(timing) * static_cast<double>(shares.size());
     }
-  const Pace pace(progress, work);
+  const WorkProgress pace(progress, work);
   report.least_of_formula = 1e9;
   for (const Task& task : tasks)
     for (const double share : shares) {
