@@ -105,6 +105,14 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
   }
 }
 
+TEST_CASE("timing on a core that this machine lacks is one line and exit 3") {
+  const Output output = run("timing --cpu 1023 --duration 3");
+  CHECK(output.exit_code == 3);
+  CHECK(output.out.empty());
+  CHECK(lines(output.err) == 1);
+  CHECK_THAT(output.err, Contains("tactus timing: --cpu: this program cannot stay on core 1023; accepted: "));
+}
+
 TEST_CASE("with --json bad usage and input are one object with the error, and the same line and status as without") {
   for (const std::string arguments :
        {"run", "run /nowhere.toml", "run --config /nowhere.toml", "run --accuracy best /nowhere.toml",
