@@ -171,4 +171,22 @@ Result<BuiltHull> build_hull(std::span<const Vec3d> points) {
                   vertices.size(), kMaxHullVertices));
 }
 
+Result<TriangleSoup> hull_surface(std::span<const Vec3d> points) {
+  if (points.size() < 4)
+    return Status::error(fmt::format("{} points make no solid; accepted: 4 or more", points.size()));
+  auto found = find_surface(points);
+  if (!found.ok()) return found.status();
+  const Surface& surface = found.value();
+  TriangleSoup soup;
+  for (const std::size_t i : surface.vertices) soup.corners.push_back(points[i]);
+  const auto corner = [&](std::size_t point) {
+    return static_cast<std::uint32_t>(std::lower_bound(surface.vertices.begin(), surface.vertices.end(), point) -
+                                      surface.vertices.begin());
+  };
+  for (const auto& loop : surface.loops)
+    for (std::size_t k = 1; k + 1 < loop.size(); ++k)
+      soup.triangles.push_back({corner(loop[0]), corner(loop[k]), corner(loop[k + 1])});
+  return soup;
+}
+
 }  // namespace tactus::sim

@@ -8,6 +8,7 @@
 
 #include "rt/base/result.h"
 #include "rt/physics/shapes/hull.h"
+#include "sim/geometry/mesh_files.h"
 
 namespace tactus::sim {
 
@@ -21,5 +22,9 @@ struct BuiltHull {
 
 // Faces that are coplanar to a millionth of the size are merged. An error says what is wrong and what is accepted.
 Result<BuiltHull> build_hull(std::span<const Vec3d> points);
+
+// The surface of the hull of any number of points, as triangles; its corners are the points that are vertices. An error
+// where fewer than four points, or points in a plane, make no solid.
+Result<TriangleSoup> hull_surface(std::span<const Vec3d> points);
 
 }  // namespace tactus::sim

@@ -69,17 +69,6 @@ double distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   return norm(p - (a + t * d));
 }
 
-double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  const Vec3d n = cross(b - a, c - a);
-  const double size = norm(n);
-  if (size > 0) {
-    const bool inside =
-        dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 && dot(cross(a - c, p - c), n) >= 0;
-    if (inside) return std::abs(dot(p - a, n)) / size;
-  }
-  return std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
-}
-
 Vec3d in_given(const sim::BuiltHull& built, std::uint32_t vertex) {
   return built.given_from_body.position + rotate(built.given_from_body.rotation, built.hull.vertex(vertex));
 }
@@ -179,6 +168,17 @@ Result<sim::TriangleSoup> surface_of(std::span<const Vec3d> points) {
   auto built = sim::build_hull(points);
   if (!built.ok()) return built.status();
   return soup_of(built.value());
+}
+
+double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const Vec3d n = cross(b - a, c - a);
+  const double size = norm(n);
+  if (size > 0) {
+    const bool inside =
+        dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 && dot(cross(a - c, p - c), n) >= 0;
+    if (inside) return std::abs(dot(p - a, n)) / size;
+  }
+  return std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
 }
 
 double distance_to(const Vec3d& point, const sim::TriangleSoup& surface) {

@@ -31,6 +31,8 @@ Result<sim::TriangleSoup> surface_of(std::span<const Vec3d> points);
 // The largest distance of a point to the first one: between half the diameter of the set and the diameter.
 double extent_of(std::span<const Vec3d> points);
 
+double distance_to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c);
+
 // The distance of a point to the nearest of the triangles.
 double distance_to(const Vec3d& point, const sim::TriangleSoup& surface);
 

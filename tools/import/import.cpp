@@ -114,7 +114,10 @@ std::optional<ImportError> import_file(const ImportOptions& options, Imported& i
     if (auto error = read_model(options, imported, draft)) return error;
   } else if (ending == ".gltf" || ending == ".glb" || ending == ".obj" || ending == ".stl") {
     source = "assimp";
-    auto read = read_shapes(options.file, options.shapes, options.pieces, account);
+    PieceOptions pieces = options.pieces;
+    if (pieces.most == 0)
+      pieces = {options.needs_deviation ? kMaxParts : kDefaultPieces, pieces.deviation_m, options.needs_deviation};
+    auto read = read_shapes(options.file, options.shapes, pieces, account);
     if (!read.ok()) return ImportError{read.message(), read.message().find("this build") != std::string::npos};
     draft = std::move(read).value();
   } else {

@@ -9,6 +9,9 @@
 
 namespace tactus::scene_import {
 
+// Of a concave mesh of a glTF, OBJ or STL file, where the user gives no number.
+inline constexpr unsigned kDefaultPieces = 64;
+
 struct ImportOptions {
   std::filesystem::path file, compiler;  // compiler: compile.mjs as installed
   std::string stem;                      // prefix of the names of shape files
@@ -17,6 +20,7 @@ struct ImportOptions {
   std::optional<Vec3d> proxy_position;
   std::string device{"virtuose6d"};
   PieceOptions pieces;
+  bool needs_deviation{false};  // a larger deviation than that of `pieces` is refused, also without a number of pieces
   ShapeOptions shapes;
   Limits compiler_limits{};  // of the compiler's process
 };

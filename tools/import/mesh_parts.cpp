@@ -38,11 +38,22 @@ std::vector<DraftPart> mesh_parts(const sim::TriangleSoup& soup, const PieceOpti
                       label, 1e3 * gap.value()));
     return {hull_part(like, std::move(hull.value().points))};
   }
-  auto pieces = decompose(soup, options.most, options.deviation_m);
-  if (!pieces.ok())
-    return refuse(pieces.message(), "more --pieces, a larger --deviation, or a model that is divided already");
-  account.change(fmt::format("{}: divided into {} convex pieces, at most {:.3g} mm from its surface", label,
-                             pieces.value().hulls.size(), 1e3 * pieces.value().deviation_m));
+  // A deviation that is not required is at most a hundredth of the size, so that small things keep their hollows.
+  const double wanted_m =
+      options.required ? options.deviation_m : std::min(options.deviation_m, extent_of(soup.corners) / 100);
+  auto pieces = decompose(soup, options.most, wanted_m);
+  const char* const accepted = "more --pieces, a larger --deviation, or a model that is divided already";
+  if (!pieces.ok()) return refuse(pieces.message(), accepted);
+  const std::size_t count = pieces.value().hulls.size();
+  const double deviation_m = pieces.value().deviation_m;
+  if (options.required && deviation_m > wanted_m)
+    return refuse(fmt::format("its {} pieces are up to {:.3g} mm from its surface, more than {:.3g} mm", count,
+                              1e3 * deviation_m, 1e3 * wanted_m),
+                  accepted);
+  account.change(fmt::format("{}: divided into {} convex pieces, at most {:.3g} mm from its surface; {}", label, count,
+                             1e3 * deviation_m,
+                             deviation_m > wanted_m ? "more --pieces come nearer"
+                                                    : "a smaller --deviation with enough --pieces comes nearer"));
   std::vector<DraftPart> parts;
   for (HullPoints& piece : pieces.value().hulls) parts.push_back(hull_part(like, std::move(piece.points)));
   return parts;

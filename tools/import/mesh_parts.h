@@ -10,8 +10,9 @@
 namespace tactus::scene_import {
 
 struct PieceOptions {
-  unsigned most{0};           // pieces of a concave mesh, at most physics' kMaxParts; 0: its hull
-  double deviation_m{0.001};  // largest that is accepted
+  unsigned most{0};           // pieces of a concave mesh, at most physics' kMaxParts; 0, 1: its hull
+  double deviation_m{0.001};  // the largest that is wanted
+  bool required{true};        // a larger deviation is refused, not only reported
 };
 
 // `like`: pose and other fields that every part gets. `label`: name of the mesh in the account. `at`: the place that a

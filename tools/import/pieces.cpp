@@ -3,20 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
+#include <optional>
 
 #include "sim/geometry/hull_builder.h"
 #include "sim/geometry/hull_gap.h"
-#include "sim/random.h"
-#if TACTUS_HAS_HACD
-#include <HACD/hacdHACD.h>
-
-#include <sstream>
-
-#include "tools/import/limited_process.h"
-#endif
+#include "tools/import/fragment.h"
+#include "tools/import/solid_distance.h"
 
 namespace tactus::scene_import {
 std::size_t open_edges(const sim::TriangleSoup& soup) {
@@ -45,156 +38,155 @@ Result<double> hull_gap(const sim::TriangleSoup& soup, const HullPoints& hull) {
   return gap.value().gap_m > sim::kSmallestGap_m ? gap.value().gap_m : 0.0;
 }
 
-#if TACTUS_HAS_HACD
-
 namespace {
 
-constexpr Limits kHacdLimits{.wall_s = 240, .cpu_s = 120};
-constexpr std::size_t kFinestTriangles = 600;  // more triangles are not subdivided further
+constexpr double kRoundingShare = 1e-9;      // of the size: the rounding of a cut
+constexpr unsigned kDivisions = 4'000;       // of a surface that is measured for a choice
+constexpr double kTolerance = 1.0 / 8;       // of the deviation that is wanted, likewise
+constexpr double kLastTolerance = 1.0 / 50;  // of the deviation that is wanted, in the measure of the result
 
-// Points spread over a surface, by area, and lifted off it to the outside; the same for the same surface.
-std::vector<Vec3d> points_on(const sim::TriangleSoup& soup, double lift_m) {
-  std::vector<double> upto;
-  double area = 0;
-  for (const auto& t : soup.triangles) {
-    const Vec3d &a = soup.corners[t[0]], &b = soup.corners[t[1]], &c = soup.corners[t[2]];
-    upto.push_back(area += 0.5 * norm(cross(b - a, c - a)));
-  }
-  std::vector<Vec3d> points;
-  sim::Random random(1);
-  for (int i = 0; i < kSurfacePoints; ++i) {
-    const double sought = area * (i + 0.5) / kSurfacePoints;
-    const auto at = std::min<std::size_t>(
-        static_cast<std::size_t>(std::lower_bound(upto.begin(), upto.end(), sought) - upto.begin()),
-        soup.triangles.size() - 1);
-    const auto& t = soup.triangles[at];
-    const double r = std::sqrt(random.uniform()), s = random.uniform();
-    const Vec3d &a = soup.corners[t[0]], &b = soup.corners[t[1]], &c = soup.corners[t[2]];
-    const Vec3d normal = normalized_or(cross(b - a, c - a), Vec3d{});
-    points.push_back((1 - r) * a + r * (1 - s) * b + r * s * c + lift_m * normal);
-  }
-  return points;
+struct Solid {
+  SolidDistance distance;
+  double size_m, wanted_m;
+};
+
+struct Piece {
+  Fragment fragment;          // empty of a joined piece
+  sim::TriangleSoup surface;  // of its hull
+  double volume_m3{0};
+  Excess excess;
+  double thinning_m{0};  // by how much 64 vertices are less than its hull
+  bool final{false};     // no plane divides it
+  double error_m() const { return excess.bound_m + thinning_m; }
+};
+
+double volume_of(const sim::TriangleSoup& surface) {
+  const Vec3d origin = surface.corners.front();
+  double six_volumes = 0;
+  for (const auto& t : surface.triangles)
+    six_volumes +=
+        dot(surface.corners[t[0]] - origin, cross(surface.corners[t[1]] - origin, surface.corners[t[2]] - origin));
+  return six_volumes / 6;
 }
 
-bool is_within(const sim::TriangleSoup& convex, const Vec3d& p, double tolerance) {
-  for (const auto& t : convex.triangles) {
-    const Vec3d &a = convex.corners[t[0]], &b = convex.corners[t[1]], &c = convex.corners[t[2]];
-    const Vec3d n = cross(b - a, c - a);
-    const double size = norm(n);
-    if (size > 0 && dot(n, p - a) / size > -tolerance) return false;
+// The hull's surface, and within it two smaller ones about its middle, which see a hollow that the surface spans.
+Excess measured(const sim::TriangleSoup& hull, const Solid& solid, double share, unsigned divisions) {
+  Vec3d middle;
+  for (const Vec3d& corner : hull.corners) middle += corner * (1.0 / static_cast<double>(hull.corners.size()));
+  sim::TriangleSoup all;
+  for (const double scale : {1.0, 2.0 / 3, 1.0 / 3}) {
+    const auto first = static_cast<std::uint32_t>(all.corners.size());
+    for (const Vec3d& corner : hull.corners) all.corners.push_back(middle + scale * (corner - middle));
+    for (const auto& t : hull.triangles) all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  return excess_of(all, solid.distance, share * solid.wanted_m, divisions);
+}
+
+// Measures the piece; the thinning only of one that is near enough otherwise.
+void measure(Piece& piece, const Solid& solid) {
+  piece.excess = measured(piece.surface, solid, kTolerance, kDivisions);
+  piece.thinning_m = 0;
+  if (piece.surface.corners.size() <= physics::kMaxHullVertices || piece.excess.bound_m > solid.wanted_m) return;
+  const auto hull = hull_of(piece.surface.corners);
+  piece.thinning_m = hull.ok() ? hull.value().deviation_m : 0;
+}
+
+std::optional<Piece> piece_of(Fragment fragment) {
+  auto surface = sim::hull_surface(corners_of(fragment));
+  if (!surface.ok()) return {};
+  const double volume = volume_of(surface.value());
+  return Piece{
+      .fragment = std::move(fragment), .surface = std::move(surface).value(), .volume_m3 = volume, .excess = {}};
+}
+
+// The two parts of the piece with the least volume together; none where no plane leaves two solids.
+std::optional<std::pair<Piece, Piece>> halves_of(const Piece& piece, const Solid& solid) {
+  std::optional<std::pair<Piece, Piece>> best;
+  const double rounding_m = kRoundingShare * solid.size_m;
+  for (const Plane& plane : planes_to_try(piece.fragment, piece.excess.at, rounding_m)) {
+    Cut parts = cut(piece.fragment, plane, solid.distance, rounding_m);
+    if (parts.below.triangles.empty() || parts.above.triangles.empty()) continue;
+    auto below = piece_of(std::move(parts.below)), above = piece_of(std::move(parts.above));
+    if (!below || !above) continue;
+    if (!best || below->volume_m3 + above->volume_m3 < best->first.volume_m3 + best->second.volume_m3)
+      best.emplace(std::move(*below), std::move(*above));
+  }
+  return best;
+}
+
+std::vector<Piece> divided(const sim::TriangleSoup& soup, unsigned most, const Solid& solid) {
+  std::vector<Piece> pieces;
+  if (auto whole = piece_of(whole_of(soup))) {
+    measure(*whole, solid);
+    pieces.push_back(std::move(*whole));
+  }
+  while (!pieces.empty() && pieces.size() < most) {
+    const auto worst =
+        std::ranges::max_element(pieces, {}, [](const Piece& p) { return p.final ? -1.0 : p.error_m(); });
+    if (worst->final || worst->error_m() <= solid.wanted_m) break;
+    auto halves = halves_of(*worst, solid);
+    if (!halves) {
+      worst->final = true;
+      continue;
+    }
+    measure(halves->first, solid);
+    measure(halves->second, solid);
+    *worst = std::move(halves->first);
+    pieces.push_back(std::move(halves->second));
+  }
+  return pieces;
+}
+
+bool touch(const Piece& a, const Piece& b, double rounding_m) {
+  for (int k = 0; k < 3; ++k) {
+    const auto along = [k](const Vec3d& p) { return p[k]; };
+    const auto [low_a, high_a] = std::ranges::minmax(a.surface.corners, {}, along);
+    const auto [low_b, high_b] = std::ranges::minmax(b.surface.corners, {}, along);
+    if (low_a[k] > high_b[k] + rounding_m || low_b[k] > high_a[k] + rounding_m) return false;
   }
   return true;
 }
 
-// How far the mesh and the union of the pieces are apart, on points of both surfaces.
-double deviation_of(const sim::TriangleSoup& mesh, const std::vector<sim::TriangleSoup>& pieces) {
-  double most = 0;
-  for (const Vec3d& p : points_on(mesh, 0)) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& piece : pieces) least = std::min(least, distance_to(p, piece));
-    most = std::max(most, least);
-  }
-  const double tolerance = 1e-6 * extent_of(mesh.corners);
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    // Points are lifted off the surface, so that where two pieces meet face to face a point of one is inside the other.
-    const auto points = points_on(pieces[i], 10 * tolerance);
-    for (std::size_t k = 0; k < points.size(); k += pieces.size()) {  // kSurfacePoints of all pieces
-      bool covered = false;  // inside of another piece: no part of the union's surface
-      for (std::size_t other = 0; other < pieces.size() && !covered; ++other)
-        covered = other != i && is_within(pieces[other], points[k], tolerance);
-      if (!covered) most = std::max(most, distance_to(points[k], mesh));
-    }
-  }
-  return most;
+// The hull of two pieces, if 64 vertices suffice.
+std::optional<Piece> joined(const Piece& a, const Piece& b, const Solid& solid) {
+  std::vector<Vec3d> corners = a.surface.corners;
+  corners.insert(corners.end(), b.surface.corners.begin(), b.surface.corners.end());
+  auto surface = sim::hull_surface(corners);
+  if (!surface.ok() || surface.value().corners.size() > physics::kMaxHullVertices) return {};
+  const double volume = volume_of(surface.value());
+  Piece both{.fragment = {}, .surface = std::move(surface).value(), .volume_m3 = volume, .excess = {}};
+  measure(both, solid);
+  return both;
 }
 
-// The corners of each cluster's hull: how many, then their coordinates. `share`: largest concavity of a cluster, as a
-// share of the mesh's size.
-std::string clusters_of(const sim::TriangleSoup& soup, double share) {
-  std::vector<HACD::Vec3<HACD::Real>> points;
-  std::vector<HACD::Vec3<long>> triangles;
-  for (const Vec3d& c : soup.corners) points.emplace_back(c.x, c.y, c.z);
-  for (const auto& t : soup.triangles)
-    triangles.emplace_back(static_cast<long>(t[0]), static_cast<long>(t[1]), static_cast<long>(t[2]));
-  HACD::HACD hacd;
-  hacd.SetPoints(points.data());
-  hacd.SetNPoints(points.size());
-  hacd.SetTriangles(triangles.data());
-  hacd.SetNTriangles(triangles.size());
-  hacd.SetCompacityWeight(1e-4);
-  hacd.SetVolumeWeight(0);
-  hacd.SetNClusters(1);
-  hacd.SetNVerticesPerCH(physics::kMaxHullVertices);
-  hacd.SetConcavity(1000 * share);  // it scales the mesh to a size of 1000
-  // Without these points HACD misses a concavity between few large triangles: an L of 20 triangles stays one piece.
-  hacd.SetAddExtraDistPoints(true);
-  hacd.SetAddNeighboursDistPoints(true);
-  hacd.SetAddFacesPoints(true);
-  if (!hacd.Compute()) return {};
-  hacd.DenormalizeData();
-  std::string text;
-  for (std::size_t i = 0; i < hacd.GetNClusters(); ++i) {
-    std::vector<HACD::Vec3<HACD::Real>> corners(hacd.GetNPointsCH(i));
-    std::vector<HACD::Vec3<long>> faces(hacd.GetNTrianglesCH(i));
-    hacd.GetCH(i, corners.data(), faces.data());
-    text += fmt::format("{}\n", corners.size());
-    for (const auto& c : corners) text += fmt::format("{} {} {}\n", c.X(), c.Y(), c.Z());
-  }
-  return text;
-}
-
-std::vector<std::vector<Vec3d>> read_clusters(const std::string& text) {
-  std::vector<std::vector<Vec3d>> clusters;
-  std::istringstream in(text);
-  for (std::size_t count = 0; in >> count;) {
-    clusters.emplace_back();
-    for (Vec3d v; clusters.back().size() < count && in >> v.x >> v.y >> v.z;) clusters.back().push_back(v);
-  }
-  return clusters;
-}
-
-}  // namespace
-
-namespace {
-
-// Divides each triangle into four. HACD clusters triangles, and finer triangles give other clusters.
-sim::TriangleSoup finer(const sim::TriangleSoup& soup) {
-  sim::TriangleSoup out{soup.corners, {}};
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [at, is_new] =
-        middles.emplace(std::pair{std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(out.corners.size()));
-    if (is_new) out.corners.push_back(0.5 * (out.corners[a] + out.corners[b]));
-    return at->second;
+// Joins the two pieces whose hull is nearest to the solid, as long as it is near enough or there are more than `most`.
+void join(std::vector<Piece>& pieces, unsigned most, const Solid& solid) {
+  struct Pair {
+    std::size_t a, b;
+    Piece both;
   };
-  for (const auto& [a, b, c] : soup.triangles) {
-    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    out.triangles.insert(out.triangles.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+  std::vector<Pair> pairs;
+  std::vector<bool> gone(pieces.size(), false);
+  const auto add_pairs_of = [&](std::size_t b, std::size_t upto) {
+    for (std::size_t a = 0; a < upto; ++a)
+      if (!gone[a] && touch(pieces[a], pieces[b], kRoundingShare * solid.size_m))
+        if (auto both = joined(pieces[a], pieces[b], solid)) pairs.push_back({a, b, std::move(*both)});
+  };
+  for (std::size_t b = 1; b < pieces.size(); ++b) add_pairs_of(b, b);
+  for (std::size_t left = pieces.size(); !pairs.empty(); --left) {
+    const auto best = std::ranges::min_element(pairs, {}, [](const Pair& p) { return p.both.error_m(); });
+    if (best->both.error_m() > solid.wanted_m && left <= most) break;
+    const std::size_t a = best->a, b = best->b;
+    pieces.push_back(std::move(best->both));
+    gone.push_back(false);
+    gone[a] = gone[b] = true;
+    std::erase_if(pairs, [&](const Pair& p) { return gone[p.a] || gone[p.b]; });
+    add_pairs_of(pieces.size() - 1, pieces.size() - 1);
   }
-  return out;
-}
-
-// One run of HACD on `divided`, which has the surface of `mesh`. `share`: largest concavity of a piece, as a share of
-// the mesh's size.
-Result<Pieces> divide(const sim::TriangleSoup& mesh, const sim::TriangleSoup& divided, unsigned most, double share) {
-  const auto text = run_apart([&] { return clusters_of(divided, share); }, kHacdLimits);
-  if (!text.ok()) return Status::error("HACD: the mesh " + text.message());
-  const std::vector<std::vector<Vec3d>> clusters = read_clusters(text.value());
-  Pieces pieces;
-  std::vector<sim::TriangleSoup> surfaces;
-  for (const std::vector<Vec3d>& given : clusters) {
-    auto hull = hull_of(given);
-    if (!hull.ok()) continue;  // flat: it has no volume
-    auto surface = surface_of(hull.value().points);
-    if (!surface.ok()) continue;
-    pieces.hulls.push_back(std::move(hull).value());
-    surfaces.push_back(std::move(surface).value());
-  }
-  if (pieces.hulls.empty()) return Status::error("HACD divides it into nothing that is solid");
-  if (pieces.hulls.size() > most)
-    return Status::error(fmt::format("takes {} pieces, more than {}", pieces.hulls.size(), most));
-  pieces.deviation_m = deviation_of(mesh, surfaces);
-  return pieces;
+  std::vector<Piece> kept;
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (!gone[i]) kept.push_back(std::move(pieces[i]));
+  pieces = std::move(kept);
 }
 
 }  // namespace
@@ -203,37 +195,25 @@ Result<Pieces> decompose(const sim::TriangleSoup& soup, unsigned most, double de
   if (soup.triangles.size() > kMaxPieceTriangles)
     return Status::error(
         fmt::format("{} triangles are too many to divide, at most {}", soup.triangles.size(), kMaxPieceTriangles));
-  std::string problem;
-  double best = std::numeric_limits<double>::infinity();
-  std::size_t best_count = 0;
-  // HACD's result depends strongly on the triangles and on the limit: tries several and takes the first that is near
-  // enough. Its time grows faster than the square of the number of triangles.
-  sim::TriangleSoup divided = soup;
-  do {
-    for (const double part : {1.0, 0.3, 3.0, 0.1}) {
-      auto pieces = divide(soup, divided, most, part * deviation_m / extent_of(soup.corners));
-      if (!pieces.ok()) {
-        problem = pieces.message();
-        continue;
-      }
-      if (pieces.value().deviation_m <= deviation_m) return pieces;
-      if (pieces.value().deviation_m >= best) continue;
-      best = pieces.value().deviation_m;
-      best_count = pieces.value().hulls.size();
+  if (soup.triangles.empty()) return Status::error("no triangles");
+  const Solid solid{SolidDistance(soup), extent_of(soup.corners), deviation_m};
+  std::vector<Piece> found = divided(soup, 2 * most, solid);
+  join(found, most, solid);
+  if (found.size() > most) return Status::error(fmt::format("takes {} pieces, more than {}", found.size(), most));
+  Pieces pieces;
+  for (const Piece& piece : found) {
+    auto hull = hull_of(piece.surface.corners);
+    if (!hull.ok()) {  // too thin for a hull: it is left out
+      pieces.deviation_m = std::max(pieces.deviation_m, sim::kMinHullWidth_m);
+      continue;
     }
-    divided = finer(divided);
-  } while (divided.triangles.size() <= kFinestTriangles);
-  if (best_count == 0) return Status::error(problem);
-  return Status::error(fmt::format("its {} pieces are {:.3g} mm from its surface, more than {:.3g} mm", best_count,
-                                   1e3 * best, 1e3 * deviation_m));
+    const Excess excess = measured(piece.surface, solid, kLastTolerance, kMaxDivisions);
+    pieces.deviation_m =
+        std::max(pieces.deviation_m, std::min(excess.bound_m, piece.excess.bound_m) + hull.value().deviation_m);
+    pieces.hulls.push_back(std::move(hull).value());
+  }
+  if (pieces.hulls.empty()) return Status::error("every piece is too thin to be a hull");
+  return pieces;
 }
-
-#else
-
-Result<Pieces> decompose(const sim::TriangleSoup&, unsigned, double) {
-  return Status::error("this build cannot divide meshes: Bullet's HACD was missing (Debian: libbullet-extras-dev)");
-}
-
-#endif
 
 }  // namespace tactus::scene_import

@@ -118,14 +118,15 @@ CLI::App* add_import_command(CLI::App& program, int& exit_code) {
   app->add_option("--device", options.device, "simulated device of the scene")
       ->check(CLI::IsMember({"virtuose6d", "desk3d"}))
       ->capture_default_str();
-  app->add_option("--pieces", options.pieces.most,
-                  "largest number of convex pieces (Bullet's HACD) into which a concave mesh that moves is divided;\n"
-                  "default: not divided, but replaced by its convex hull, as in MuJoCo")
-      ->check(in_range(2u, kMaxParts));
+  app->add_option(
+         "--pieces", options.pieces.most,
+         "largest number of convex pieces into which a concave mesh that moves is divided; 1: its hull;\n"
+         "default: 64 for glTF, OBJ and STL, or 128 with --deviation; for MJCF and URDF the hull, as in MuJoCo")
+      ->check(in_range(1u, kMaxParts));
   app->add_option(
          "--deviation", command->deviation_mm,
-         "largest distance between the pieces and the mesh, on 10,000 points of both surfaces [mm]; pieces that\n"
-         "exceed it are refused")
+         "largest distance between the pieces and the mesh [mm]; pieces that exceed it are refused. With neither\n"
+         "--pieces nor --deviation: 1 mm or 1/100 of the mesh's size is aimed at, and what is reached is reported")
       ->check(in_range(0.001, 1000.0))
       ->capture_default_str();
   app->add_option("--unit", options.shapes.unit_m, "length of one unit of a glTF, OBJ or STL file [m]")
@@ -139,7 +140,10 @@ CLI::App* add_import_command(CLI::App& program, int& exit_code) {
                 "make bodies from glTF, OBJ and STL static, unless their file says otherwise");
   app->add_flag("--overwrite", command->overwrite, help::kOverwrite);
   app->add_flag("--json", command->json, help::kJson);
-  app->callback([command, &exit_code] { exit_code = run_import(*command); });
+  app->callback([command, app, &exit_code] {
+    command->options.needs_deviation = app->count("--deviation") > 0;
+    exit_code = run_import(*command);
+  });
   return app;
 }
 
