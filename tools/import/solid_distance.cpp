@@ -11,7 +11,6 @@ namespace tactus::scene_import {
 namespace {
 
 constexpr std::uint32_t kMostInLeaf = 4;
-constexpr double kHullRounding = 1e-6;  // of the size: the share at which faces of a hull are merged
 
 double distance_to_box(const Vec3d& p, const Vec3d& lower, const Vec3d& upper) {
   Vec3d d;

@@ -10,6 +10,7 @@
 namespace tactus::scene_import {
 
 inline constexpr unsigned kMaxDivisions = 40'000;
+inline constexpr double kHullRounding = 1e-6;  // of the size: the share at which faces of a hull are merged
 
 class SolidDistance {
  public:
