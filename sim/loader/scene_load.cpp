@@ -215,7 +215,8 @@ class SceneReader {
 
   physics::Body& add_listed(physics::Body body, const text::TomlNode& table) {
     const text::TomlNode* name = table.find("name");
-    scene_.listed.push_back({.name = name == nullptr ? "" : name->text, .line = table.line});
+    scene_.listed.push_back(
+        {.name = name == nullptr ? "" : name->text, .line = table.line, .given_from_body = bodies_.given_from_body()});
     return add(std::move(body));
   }
 

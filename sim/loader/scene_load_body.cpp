@@ -193,6 +193,7 @@ void BodyReader::read_mass_properties(text::TableReader& table, const ReadShape&
   body.shape = Shape::convex(hull, made->index);
   body.inertia = hull.inertia_per_kg * body.mass;
   body.motion.pose = table.pose() * made->given_from_body;
+  given_from_body_ = made->given_from_body;
 }
 
 void BodyReader::read_motion(text::TableReader& table, Body& body) {
@@ -202,6 +203,7 @@ void BodyReader::read_motion(text::TableReader& table, Body& body) {
 
 Body BodyReader::read(text::TableReader& table, BodyRole role) {
   const bool proxy = role == BodyRole::kProxy;
+  given_from_body_ = {};
   const auto kind = read_kind(table, [proxy](const ShapeTraits& traits) { return traits.moves || !proxy; });
   if (kind == ShapeKind::kCompound) return read_compound(table, role);
   const auto known = kind ? read_shape(table, *kind) : std::nullopt;
@@ -213,6 +215,7 @@ Body BodyReader::read(text::TableReader& table, BodyRole role) {
   const Shape& shape = known->shape;
   const double friction = table.number("friction", 0, kFriction);
   const Posed pose = table.pose() * known->given_from_body;
+  given_from_body_ = known->given_from_body;
   const bool is_plane = shape.kind == ShapeKind::kPlane, is_mesh = shape.kind == ShapeKind::kMesh;
   const bool fixed = !proxy && table.flag("fixed", is_plane || is_mesh);
   if (is_plane && !fixed) table.mistake("fixed", "a plane never moves", "true");
@@ -325,6 +328,7 @@ Body BodyReader::read_compound(text::TableReader& table, BodyRole role) {
   }
   const Shape shape = add_compound(built);
   const Posed pose = given * built.given_from_body;
+  given_from_body_ = built.given_from_body;
   if (fixed) return physics::make_fixed_body(kNoBody, shape, friction, pose);
   auto body = physics::make_dynamic_body(kNoBody, shape, built.mass_kg, friction, pose);
   body.inertia = built.inertia_kg_m2;

@@ -34,6 +34,8 @@ class BodyReader {
   void read_kept(text::TableReader& root);
   // Returns a body without an id. Gravity does not act on the proxy: the device holds it.
   physics::Body read(text::TableReader& table, BodyRole role);
+  // Of the body that was read last: the pose of its frame in that of its keys position_m and rotation.
+  const Posed& given_from_body() const noexcept { return given_from_body_; }
   // Text to append to the source, so that it needs no file.
   std::string kept() const { return hulls_.kept() + meshes_.kept(); }
 
@@ -51,6 +53,7 @@ class BodyReader {
   physics::Shape add_compound(const BuiltCompound& built);
   physics::Body read_compound(text::TableReader& table, BodyRole role);
 
+  Posed given_from_body_;
   Scene& scene_;
   text::Diagnostics& diagnostics_;
   HullReader hulls_;

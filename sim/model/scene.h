@@ -109,8 +109,9 @@ struct GeneratedPart {
 
 // Name and place of a body in the scene file.
 struct ListedBody {
-  std::string name;  // empty: none
-  unsigned line{0};  // of its table
+  std::string name;         // empty: none
+  unsigned line{0};         // of its table
+  Posed given_from_body{};  // of the body's frame in that of the keys position_m and rotation: see given_pose.h
 };
 
 // Counts of the conversion of a triangle file into a mesh.

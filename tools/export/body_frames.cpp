@@ -2,10 +2,12 @@
 
 #include <cstring>
 
+#include "sim/model/given_pose.h"
+
 namespace tactus::exporting {
 
 BodyFrames::BodyFrames(std::unique_ptr<loop::HapticLoop> loop, const sim::Scene& scene, double rate_Hz, double period_s)
-    : player_(std::move(loop)), proxy_(scene.proxy), rate_Hz_(rate_Hz), period_s_(period_s) {}
+    : player_(std::move(loop)), scene_(scene), rate_Hz_(rate_Hz), period_s_(period_s) {}
 
 Status BodyFrames::take(const loop::TapeRecord& record) {
   if (record.kind == loop::kSnapshotRecord) return player_.take_snapshot(record);
@@ -35,7 +37,10 @@ ExportedFrame BodyFrames::frame(const loop::TickRecord& taped) {
   const physics::World& world = player_.loop().sub_world().world();
   states_.clear();
   for (const physics::Body& body : world.bodies())
-    states_.push_back({body.id, body.id == proxy_ ? MemberRole::kProxy : MemberRole::kMember, body.motion.pose});
+    states_.push_back({.id = body.id,
+                       .role = body.id == scene_.proxy ? MemberRole::kProxy : MemberRole::kMember,
+                       .pose = body.motion.pose,
+                       .given = sim::given_pose(scene_, body.id, body.motion.pose)});
   for (const physics::BorderContact& contact : world.border_contacts())
     if (const auto slot = world.slot_of(contact.member))
       if (ExportedBody& state = states_[number_of(*slot)]; state.role == MemberRole::kMember)

@@ -12,7 +12,7 @@ namespace tactus::exporting {
 
 class BodyFrames {
  public:
-  // `rate_Hz`: frames per second of simulated time; at most one a tick.
+  // `scene`: must outlive this. `rate_Hz`: frames per second of simulated time; at most one a tick.
   BodyFrames(std::unique_ptr<loop::HapticLoop> loop, const sim::Scene& scene, double rate_Hz, double period_s);
 
   Status take(const loop::TapeRecord& record);  // a keyframe or a snapshot
@@ -28,7 +28,7 @@ class BodyFrames {
 
  private:
   session::TapePlayer player_;
-  BodyId proxy_;
+  const sim::Scene& scene_;
   double rate_Hz_, period_s_;
   std::uint64_t next_frame_{0};
   bool played_{false};

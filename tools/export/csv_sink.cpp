@@ -44,8 +44,8 @@ class CsvSink final : public Sink {
       append_number(line_, std::uint64_t{body.id});
       line_ += ',';
       line_ += name_of(body.role);
-      const Vec3d& p = body.pose.position;
-      const Quatd& q = body.pose.rotation;
+      const Vec3d& p = body.given.position;
+      const Quatd& q = body.given.rotation;
       for (const double number : {p.x, p.y, p.z, q.w, q.x, q.y, q.z}) {
         line_ += ',';
         append_number(line_, number, false);

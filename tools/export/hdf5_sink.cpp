@@ -178,8 +178,8 @@ class Hdf5Sink final : public Sink {
   Status bodies(const ExportedFrame& frame) override {
     for (const ExportedBody& body : frame.bodies) {
       const auto role = static_cast<std::uint32_t>(body.role);
-      const Vec3d& p = body.pose.position;
-      const Quatd& q = body.pose.rotation;
+      const Vec3d& p = body.given.position;
+      const Quatd& q = body.given.rotation;
       const double pose[7]{p.x, p.y, p.z, q.w, q.x, q.y, q.z};
       bodies_[0].add(&frame.tick);
       bodies_[1].add(&frame.time_s);

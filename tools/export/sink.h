@@ -27,7 +27,8 @@ std::string_view name_of(MemberRole role) noexcept;  // proxy, member, border
 struct ExportedBody {
   BodyId id{kNoBody};
   MemberRole role{MemberRole::kMember};
-  Posed pose;  // world_from_body, of the centre of mass
+  Posed pose;   // world_from_body: centre of mass, principal axes
+  Posed given;  // of the frame that the scene file places (sim/model/given_pose.h); written in CSV and HDF5
 };
 
 // The bodies of the sub-world after a tick, by id.

@@ -10,6 +10,8 @@
 
 #include "rt/base/denormals.h"
 #include "rt/loop/timed_tick.h"
+#include "sim/loader/scene_load.h"
+#include "sim/model/given_pose.h"
 #include "tests/system/session_bench.h"
 #include "tools/export/columns.h"
 #include "tools/export/sink.h"
@@ -181,6 +183,33 @@ TEST_CASE("the bodies of an export are those of the run, frame by frame") {
     for (std::size_t i = 0; i < pose.size(); ++i) different += std::stod(cells[4 + i]) == pose[i] ? 0 : 1;
   }
   CHECK(different == 0);
+}
+
+TEST_CASE(
+    "poses of bodies are those of the frame that the scene places, where principal axes are turned and off-centre") {
+  const std::string text =
+      "effects = []\n[proxy]\nshape = \"compound\"\nmass_kg = 0.2\nposition_m = [0.1, 0.2, 0.3]\n"
+      "rotation_vector_rad = [0, 0, 1.5707963267948966]\n"
+      "[[proxy.parts]]\nshape = \"box\"\nsize_m = [0.1, 0.01, 0.01]\nposition_m = [0.05, 0, 0]\n"
+      "[[proxy.parts]]\nshape = \"box\"\nsize_m = [0.01, 0.06, 0.01]\nposition_m = [0.1, 0.03, 0.02]\n";
+  auto parsed = sim::parse_scene(text, "x.toml");
+  INFO(parsed.message());
+  REQUIRE(parsed.ok());
+  const sim::Scene& scene = parsed.value();
+  const Posed& own = scene.bodies[0].motion.pose;
+  const Posed placed{{0.1, 0.2, 0.3}, normalized(Quatd{1, 0, 0, 1})};
+  REQUIRE(norm(own.position - placed.position) > 0.01);
+  const Vec3d x{1, 0, 0}, y{0, 1, 0};
+  REQUIRE(norm(rotate(own.rotation, x) - rotate(placed.rotation, x)) > 0.1);
+  const auto check_same = [&](const Posed& a, const Posed& b) {
+    CHECK(norm(a.position - b.position) < 1e-12);
+    CHECK(norm(rotate(a.rotation, x) - rotate(b.rotation, x)) < 1e-12);
+    CHECK(norm(rotate(a.rotation, y) - rotate(b.rotation, y)) < 1e-12);
+  };
+  check_same(sim::given_pose(scene, 0, own), placed);
+  // Moved as a whole, the frame moves along.
+  const Posed move{{0.3, -0.1, 0.2}, normalized(Quatd{1, 0.2, -0.3, 0.4})};
+  check_same(sim::given_pose(scene, 0, move * own), move * placed);
 }
 
 TEST_CASE("a tape of real time has each tick's times, and replays all the same") {
