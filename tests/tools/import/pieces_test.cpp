@@ -208,7 +208,7 @@ TEST_CASE("a bowl, a cup with a handle, a ring and a gear are divided as near as
     for (const auto& piece : surface.pieces) CHECK(depth_outside(hollow, piece) > 1e-3);
 }
 
-TEST_CASE("the same mesh gives the same pieces; too few pieces give a larger deviation, which is said") {
+TEST_CASE("the same mesh gives the same pieces, and too few pieces give a larger deviation, which is said") {
   const sim::TriangleSoup solid = bowl(12);
   const auto first = decompose(solid, 12, 1e-3), second = decompose(solid, 12, 1e-3);
   REQUIRE((first.ok() && second.ok()));
