@@ -58,7 +58,7 @@ void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcep
     springs_[i].prepare(spring, start, motion_.span(), inverse_inertia_.span(), static_cast<S>(context.h));
   }
   run_stages(input, Phase::kPrepare, context);
-  contacts_.prepare(std::span<const Contact>(input.contacts), state(), input.executor);
+  contacts_.prepare(std::span<const Contact>(input.contacts), state(), settings.dt, input.executor);
   if constexpr (kIsWhole) {
     border_.prepare(input.border, input.ghosts, input.bodies, state(),
                     {.rule = input.border_rule,

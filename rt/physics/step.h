@@ -19,9 +19,9 @@ struct CutPredicate {
 
 inline constexpr std::uint32_t kNeverCut = 0xffffffffu;
 
-// Which sweeps of a sub-step solve friction: the relax sweeps, or every sweep. With every sweep, what the biased sweep
-// moves does not creep: a wedge at its locking friction holds. kAuto: every sweep if the contacts are so stiff that
-// they have a second relax sweep.
+// Which sweeps of a sub-step solve friction. kRelax: the last relax sweep. kEvery: the biased sweep too, so that what
+// it moves does not creep: a wedge at its locking friction holds. kAuto: kEvery if there are two relax sweeps or more.
+// Sweeps between the two do not solve friction (contact_row.h).
 enum class FrictionSweeps : std::uint8_t { kAuto, kRelax, kEvery };
 
 constexpr FrictionSweeps resolve(FrictionSweeps asked, std::uint32_t relax_sweeps) noexcept {

@@ -39,7 +39,8 @@ inline constexpr Meaning kMeanings[] = {
     {"[simulation]", "relax_sweeps",
      "sweeps without bias after each sub-step; at least 2 where contact_hertz_Hz times the sub-step exceeds 0.2", ""},
     {"[simulation]", "friction_sweeps",
-     "friction in the relax sweep or in every sweep; auto: in every sweep where there are two relax sweeps or more",
+     "relax: friction in the last relax sweep; every: in the biased sweep too; auto: every where there are two relax "
+     "sweeps or more",
      ""},
     {"[simulation]", "global_sub_steps_per_tick",
      "sub-steps of the global world for each tick; may be a fraction; a whole number, at least sub_steps, in a scene "

@@ -78,16 +78,21 @@ void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat
                                 const SweepRule<double>& rule, bool biased) noexcept {
   const double gap = row.gap + dot(row.n, offset_at(row, biased ? row.elapsed : row.elapsed + h_));
   Softness<double> soft = Softness<double>::rigid();
-  double bias{};
+  double bias{}, leak{};
   if (gap > 0.0) {
     bias = gap * rule.inverse_h;
   } else if (biased && may_supply_) {  // otherwise rigid: no overlap is corrected, no impulse relaxed
     soft = row.softness;
-    bias = std::max(soft.mass_scale * soft.bias_rate * std::min(0.0, gap + rule.slop), -row.max_push_speed);
+    leak = soft.impulse_scale * row.normal_impulse;
+    bias = soft.mass_scale * soft.bias_rate * std::min(0.0, gap + rule.slop);
+    if (bias < -row.max_push_speed) {  // as in contact_row.h
+      const double excess = -row.max_push_speed - bias;
+      leak = std::max(leak * -row.max_push_speed / bias, leak - row.normal_mass * excess);
+      bias = -row.max_push_speed;
+    }
   }
   const double u = dot(row.n, slip(row, body));
-  const double wanted =
-      row.normal_impulse - row.normal_mass * (soft.mass_scale * u + bias) - soft.impulse_scale * row.normal_impulse;
+  const double wanted = row.normal_impulse - row.normal_mass * (soft.mass_scale * u + bias) - leak;
   const double next = std::clamp(wanted, 0.0, normal_limit(row));
   apply_normal(row, body, inertia, next - row.normal_impulse);
   pairs_[row.pair].sum += next - row.normal_impulse;

@@ -34,13 +34,13 @@ TACTUS_INLINE GapChange<V> gap_change(const ContactRow<V>& c, const BodyLanes<V>
   // n . (R r - r) = (R^T n - n) . r: rotates the normal back once instead of every point forward.
   Vec3<V> turn_a = rotate_inverse(a.delta_rotation, c.n) - c.n;
   if (c.rolling != 0) turn_a -= second_order_turn(c, a.delta_rotation, 0);
-  V gap = -dot(c.n, a.delta_position) - dot(turn_a, c.c_a);
+  V gap = -dot(c.n, a.delta_position) - dot(turn_a, c.start_a);
   if (c.any_round != 0) gap += c.round_a * dot(turn_a, c.n);
   Vec3<V> turn = -turn_a;
   if constexpr (!kFixed) {
     Vec3<V> turn_b = rotate_inverse(b.delta_rotation, c.n) - c.n;
     if (c.rolling != 0) turn_b -= second_order_turn(c, b.delta_rotation, 1);
-    gap += dot(c.n, b.delta_position) + dot(turn_b, c.c_b);
+    gap += dot(c.n, b.delta_position) + dot(turn_b, c.start_b);
     if (c.any_round != 0) gap += c.round_b * dot(turn_b, c.n);
     turn += turn_b;
   }
@@ -57,9 +57,9 @@ TACTUS_INLINE void update_gaps(ContactRow<V>& c, const BodyLanes<V>& a, const Bo
 
 // Solves the normal rows, point after point. Returns the impulses added; on return `v` is the relative motion after
 // them.
-template <bool kBias, bool kTotals, bool kBackwards, class V>
-TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
-                                          const SweepRule<LaneOf<V>>& rule) noexcept {
+template <bool kBias, bool kTotals, class V>
+TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v, const SweepRule<LaneOf<V>>& rule,
+                                          bool backwards) noexcept {
   const SymBlock<V>& w = c.w_normal;
   const V zero(0), inverse_h(rule.inverse_h), slop(rule.slop), most_push(-rule.max_push_speed);
   V mass_scale(rule.softness.mass_scale), impulse_scale(rule.softness.impulse_scale);
@@ -73,7 +73,7 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
   }
   NormalPart<V> sum;
   for (std::uint32_t k = 0; k < c.points; ++k) {
-    const std::uint32_t i = kBackwards ? c.points - 1 - k : k;
+    const std::uint32_t i = backwards ? c.points - 1 - k : k;
     const V x = c.x[i], y = c.y[i], last = c.normal_impulse[i];
     const V s = c.gap[i];
     const auto apart = s > zero;
@@ -81,8 +81,12 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
     const V close = mass * (s * inverse_h);  // separated: may close the gap, no more
     V keep;
     if constexpr (kBias) {
-      const V push = larger(bias_rate * smaller(zero, s + slop), most_push);
-      keep = last - select(apart, close, mass * push + impulse_scale * last);
+      V push = bias_rate * smaller(zero, s + slop), leak = impulse_scale * last;
+      if (const auto deep = push < most_push; any(deep)) {
+        leak = select(deep, larger(leak * (most_push / push), leak + mass * (push - most_push)), leak);
+        push = larger(push, most_push);
+      }
+      keep = last - select(apart, close, mass * push + leak);
       mass = select(apart, mass, mass * mass_scale);
     } else {
       keep = last - select(apart, close, zero);
@@ -104,12 +108,12 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v,
 }
 
 // Solves the friction rows, point after point, each within the disk of its own normal impulse.
-template <bool kTotals, bool kBackwards, class V>
-TACTUS_INLINE TangentPart<V> solve_friction(ContactRow<V>& c, TangentPart<V> v) noexcept {
+template <bool kTotals, class V>
+TACTUS_INLINE TangentPart<V> solve_friction(ContactRow<V>& c, TangentPart<V> v, bool backwards) noexcept {
   const SymBlock<V>& w = c.w_tangent;
   TangentPart<V> sum;
   for (std::uint32_t k = 0; k < c.points; ++k) {
-    const std::uint32_t i = kBackwards ? c.points - 1 - k : k;
+    const std::uint32_t i = backwards ? c.points - 1 - k : k;
     const V x = c.x[i], y = c.y[i], mass = c.tangent_mass[i];
     const V last_1 = c.tangent_impulse[0][i], last_2 = c.tangent_impulse[1][i];
     V next_1 = last_1 - mass * (v.t1 - y * v.mn), next_2 = last_2 - mass * (v.t2 + x * v.mn);
@@ -213,6 +217,14 @@ void fill_mobility(ContactRow<V>& c) noexcept {
                dot(m2.v, c.t2), dot(n.w, c.n),   dot(m1.w, c.n),  dot(m2.w, c.n)};
 }
 
+// `v` rotated by `angle` [rad] about the unit vector `n`, by Cayley's formula with tan(angle / 2) = angle / 2: exact in
+// length, and to the third order in the angle.
+Vec3d rotated_about(const Vec3d& n, double angle, const Vec3d& v) noexcept {
+  const double t = 0.5 * angle;
+  const Vec3d once = t * cross(n, v);
+  return v + 2.0 / (1.0 + t * t) * (once + t * cross(n, once));
+}
+
 template <class V>
 TACTUS_INLINE void set(Vec3<V>& to, int lane, const Vec3<LaneOf<V>>& from) noexcept {
   set_lane(to.x, lane, from.x);
@@ -233,7 +245,7 @@ TACTUS_INLINE void set(SymMat3<V>& to, int lane, const SymMat3<LaneOf<V>>& from)
 
 template <class V>
 void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact& contact,
-               const SolverBodies<LaneOf<V>>& bodies) noexcept {
+               const SolverBodies<LaneOf<V>>& bodies, double dt) noexcept {
   using T = LaneOf<V>;
   const auto as_lane = [](double x) noexcept { return static_cast<T>(x); };
   row.a[lane] = contact.slot_a;
@@ -260,8 +272,13 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   }
   c_a *= 1.0 / static_cast<double>(contact.count);
   c_b *= 1.0 / static_cast<double>(contact.count);
-  set(row.c_a, lane, number_cast<T>(c_a));
-  set(row.c_b, lane, number_cast<T>(c_b));
+  const auto in_mid_step = [&](const Vec3d& c, std::uint32_t slot) noexcept {
+    return rotated_about(contact.normal, 0.5 * dt * dot(contact.normal, number_cast<double>(bodies.motion[slot].w)), c);
+  };
+  set(row.start_a, lane, number_cast<T>(c_a));
+  set(row.start_b, lane, number_cast<T>(c_b));
+  set(row.c_a, lane, number_cast<T>(in_mid_step(c_a, contact.slot_a)));
+  set(row.c_b, lane, number_cast<T>(contact.b_fixed ? c_b : in_mid_step(c_b, contact.slot_b)));
   for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
     const ContactPoint& from = contact.points[i < contact.count ? i : 0];
     const bool there = i < contact.count && !from.redundant;
@@ -323,8 +340,9 @@ void warm_start(const ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies) n
   scatter<kFixed>(c, bodies, a, b);
 }
 
-template <bool kBias, bool kFixed, bool kFriction, bool kTotals, bool kBackwards, class V>
-void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule) noexcept {
+template <bool kBias, bool kFixed, bool kFriction, bool kTotals, class V>
+void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepRule<LaneOf<V>>& rule,
+           PointOrder order) noexcept {
   auto [a, b] = gather<kFixed, !kBias>(c, bodies);
   if constexpr (!kBias) update_gaps<kFixed>(c, a, b);
   Vec3<V> v = -(a.v + cross(a.w, c.c_a)), w = -a.w;
@@ -337,22 +355,24 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   const std::array<V, 9>& k = c.w_cross;
   TangentPart<V> held;
   if constexpr (kBias && kFriction) {
-    held = solve_friction<false, kBackwards>(c, {dot(c.t1, v), dot(c.t2, v), dot(c.n, w)});
+    held = solve_friction<false>(c, {dot(c.t1, v), dot(c.t2, v), dot(c.n, w)}, order.friction_backwards);
     normal_motion.n += k[0] * held.t1 + k[3] * held.t2 + k[6] * held.mn;
     normal_motion.m1 += k[1] * held.t1 + k[4] * held.t2 + k[7] * held.mn;
     normal_motion.m2 += k[2] * held.t1 + k[5] * held.t2 + k[8] * held.mn;
   }
-  const NormalPart<V> pressed = solve_normals<kBias, kTotals, kBackwards>(c, normal_motion, rule);
+  const NormalPart<V> pressed = solve_normals<kBias, kTotals>(c, normal_motion, rule, order.normals_backwards);
   Vec3<V> p = pressed.n * c.n, m = pressed.m1 * c.t1 + pressed.m2 * c.t2;
   if constexpr (kBias && kFriction) {
     p += held.t1 * c.t1 + held.t2 * c.t2;
     m += held.mn * c.n;
   }
   if constexpr (kFriction && !kBias) {
-    const TangentPart<V> rubbed = solve_friction<kTotals, kBackwards>(
-        c, {dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
-            dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
-            dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2});
+    const TangentPart<V> rubbed =
+        solve_friction<kTotals>(c,
+                                {dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
+                                 dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
+                                 dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2},
+                                order.friction_backwards);
     p += rubbed.t1 * c.t1 + rubbed.t2 * c.t2;
     m += rubbed.mn * c.n;
   } else if constexpr (kBias) {
@@ -369,11 +389,9 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   scatter<kFixed>(c, bodies, a, b);
 }
 
-#define TACTUS_SWEEP(V, kBias, kFixed, kFriction, kTotals)                                                         \
-  template void solve<kBias, kFixed, kFriction, kTotals, false, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&, \
-                                                                   const SweepRule<LaneOf<V>>&) noexcept;          \
-  template void solve<kBias, kFixed, kFriction, kTotals, true, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&,  \
-                                                                  const SweepRule<LaneOf<V>>&) noexcept;
+#define TACTUS_SWEEP(V, kBias, kFixed, kFriction, kTotals)                                                  \
+  template void solve<kBias, kFixed, kFriction, kTotals, V>(ContactRow<V>&, const SolverBodies<LaneOf<V>>&, \
+                                                            const SweepRule<LaneOf<V>>&, PointOrder) noexcept;
 #define TACTUS_SWEEPS(V, kFixed)                                                                      \
   template void warm_start<kFixed, V>(const ContactRow<V>&, const SolverBodies<LaneOf<V>>&) noexcept; \
   TACTUS_SWEEP(V, true, kFixed, false, false)                                                         \
@@ -382,11 +400,11 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   TACTUS_SWEEP(V, false, kFixed, true, false)                                                         \
   TACTUS_SWEEP(V, false, kFixed, false, true)                                                         \
   TACTUS_SWEEP(V, false, kFixed, false, false)
-#define TACTUS_INSTANTIATE(V)                                                 \
-  template void fill_lane(ContactRow<V>&, int, std::uint32_t, const Contact&, \
-                          const SolverBodies<LaneOf<V>>&) noexcept;           \
-  template void complete<V>(ContactRow<V>&) noexcept;                         \
-  TACTUS_SWEEPS(V, false)                                                     \
+#define TACTUS_INSTANTIATE(V)                                                                                 \
+  template void fill_lane(ContactRow<V>&, int, std::uint32_t, const Contact&, const SolverBodies<LaneOf<V>>&, \
+                          double) noexcept;                                                                   \
+  template void complete<V>(ContactRow<V>&) noexcept;                                                         \
+  TACTUS_SWEEPS(V, false)                                                                                     \
   TACTUS_SWEEPS(V, true)
 TACTUS_INSTANTIATE(double)
 TACTUS_INSTANTIATE(float)

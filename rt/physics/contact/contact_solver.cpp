@@ -1,6 +1,7 @@
 #include "rt/physics/contact/contact_solver.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "rt/physics/contact/find_contacts.h"
 
@@ -102,7 +103,7 @@ auto ContactSolver<T, kWidth>::lanes_by_points(const ContactColours::Counts& cou
 }
 
 template <class T, int kWidth>
-void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, SolverBodies<T> bodies,
+void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, SolverBodies<T> bodies, double dt,
                                        const Executor& executor) noexcept {
   executor_ = executor;
   const auto count = static_cast<std::uint32_t>(bodies.motion.size());
@@ -110,7 +111,9 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
   accumulated_delta_v_.resize(count);
   for_each_body([&](std::uint32_t i) noexcept { accumulated_delta_v_[i] = {}; });
   gate_.begin_step();
-  given_is_known_ = backwards_ = next_backwards_ = false;
+  given_is_known_ = false;
+  order_ = {};
+  sub_step_ = 0;
   colours_.assign(contacts, std::span<const SolverBody<T>>(bodies.motion));
   rows_.first_fixed = place_colours(colours_.moving(), 0, moving_);
   place_colours(colours_.fixed(), rows_.first_fixed, fixed_);
@@ -144,9 +147,9 @@ void ContactSolver<T, kWidth>::prepare(std::span<const Contact> contacts, Solver
     const std::uint32_t lane = (contacts[k].b_fixed ? next_fixed : next_moving)[colour][contacts[k].count - 1]++;
     assign(rows_.all[lane / kWidth], lane % kWidth, k, share);
   }
-  for_each_row([contacts, bodies](auto& row) noexcept {
+  for_each_row([contacts, bodies, dt](auto& row) noexcept {
     for (std::uint32_t lane = 0; lane < row.used; ++lane)
-      fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts[row.contact[lane]], bodies);
+      fill_lane(row, static_cast<int>(lane), row.contact[lane], contacts[row.contact[lane]], bodies, dt);
     // Empty lanes read the bodies of the first lane and write nothing.
     for (auto lane = row.used; lane < static_cast<std::uint32_t>(row.kWidth); ++lane) {
       row.a[lane] = row.a[0];
@@ -265,28 +268,22 @@ template <class T, int kWidth>
 template <bool kBias, bool kFriction, bool kTotals>
 void ContactSolver<T, kWidth>::sweep(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
   if constexpr (kBias) {
-    backwards_ = next_backwards_;
-    next_backwards_ = !next_backwards_;
+    order_ = {.normals_backwards = (sub_step_ & 1) != 0, .friction_backwards = (std::popcount(sub_step_) & 1) == 0};
+    ++sub_step_;
+  } else {
+    order_.normals_backwards = !order_.normals_backwards;
   }
-  backwards_ ? sweep_points<kBias, kFriction, kTotals, true>(bodies, rule)
-             : sweep_points<kBias, kFriction, kTotals, false>(bodies, rule);
-  backwards_ = !backwards_;
-}
-
-template <class T, int kWidth>
-template <bool kBias, bool kFriction, bool kTotals, bool kBackwards>
-void ContactSolver<T, kWidth>::sweep_points(SolverBodies<T> bodies, const SweepRule<T>& rule) noexcept {
   note_velocities(bodies);
   for_each_colour(moving_, [&](std::uint32_t k, std::uint32_t end) noexcept {
-    for (; k < end; ++k) solve<kBias, false, kFriction, kTotals, kBackwards>(rows_.all[k], bodies, rule);
+    for (; k < end; ++k) solve<kBias, false, kFriction, kTotals>(rows_.all[k], bodies, rule, order_);
   });
   for (std::uint32_t k = 0; k < singles_.first_fixed; ++k)
-    solve<kBias, false, kFriction, kTotals, kBackwards>(singles_.all[k], bodies, rule);
+    solve<kBias, false, kFriction, kTotals>(singles_.all[k], bodies, rule, order_);
   for_each_colour(fixed_, [&](std::uint32_t k, std::uint32_t end) noexcept {
-    for (; k < end; ++k) solve<kBias, true, kFriction, kTotals, kBackwards>(rows_.all[k], bodies, rule);
+    for (; k < end; ++k) solve<kBias, true, kFriction, kTotals>(rows_.all[k], bodies, rule, order_);
   });
   for (std::uint32_t k = singles_.first_fixed; k < singles_.all.size(); ++k)
-    solve<kBias, true, kFriction, kTotals, kBackwards>(singles_.all[k], bodies, rule);
+    solve<kBias, true, kFriction, kTotals>(singles_.all[k], bodies, rule, order_);
   add_change(bodies);
 }
 
@@ -298,10 +295,8 @@ void ContactSolver<T, kWidth>::solve_biased(SolverBodies<T> bodies, const SweepR
 template <class T, int kWidth>
 void ContactSolver<T, kWidth>::relax(SolverBodies<T> bodies, const SweepRule<T>& rule, bool friction,
                                      bool last) noexcept {
-  if (friction)
-    last ? sweep<false, true, true>(bodies, rule) : sweep<false, true, false>(bodies, rule);
-  else
-    last ? sweep<false, false, true>(bodies, rule) : sweep<false, false, false>(bodies, rule);
+  if (!last) return sweep<false, false, false>(bodies, rule);
+  friction ? sweep<false, true, true>(bodies, rule) : sweep<false, false, true>(bodies, rule);
 }
 
 template <class T, int kWidth>

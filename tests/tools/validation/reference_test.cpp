@@ -102,7 +102,7 @@ const Scenario kScenarios[] = {
        world.add_box(0, {0.05, 0.05, 0.05}, 1, 0.5, {{0, 0, 0.05}, {}});
        world.add_box(1, {0.05, 0.05, 0.05}, 100, 0.5, {{0, 0, 0.15}, {}});
      }},
-    {"heap", 0.35,
+    {"heap", 0.4,
      [](CaseWorld& world) {
        world.add_ground(kGround, 0.8);
        for (BodyId id = 0; id < 8; ++id)

@@ -96,24 +96,27 @@ TEST_CASE("A load sinks as deep into a ghost as into the outside body, whatever 
   CHECK(std::abs(b.velocity().x) < 1e-6);
 }
 
-// Beyond max_push_speed the force of an overlap no longer grows: M v (1 + a2) / h, M: effective mass of the pair, a2:
-// of softness.h.
-TEST_CASE("A deep overlap pushes as hard against a ghost as against the outside body, whatever moves with that") {
+// An overlap beyond that which max_push_speed corrects still carries M w^2 times its depth, M: effective mass of the
+// pair.
+TEST_CASE("A deep overlap carries as much against a ghost as against the outside body, whatever moves with that") {
   const double admittance = GENERATE(0.0, 0.1, 2.0, 10.0);
   constexpr double kGap = -0.5 * kHalf;
   const auto opens_under = [admittance](double share) {
     GhostBench b({SymMat3d::identity(admittance), {}, {}});
     const StepSettings& s = b.bench.settings;
-    const double h = s.dt / s.sub_steps, pair_mass = 0.5 * kMass;
-    const double added = Softness<double>::added_inertia(s.contact_hertz, s.contact_damping_ratio, h);
-    const double load = share * pair_mass * s.max_push_speed * (1 + added) / h;
+    const double omega = 2 * test::kPi * s.contact_hertz;
+    const double load = share * 0.5 * kMass * omega * omega * (-kGap - s.slop);
     b.contact().gap = kGap;
     b.ghost().drive.linear = {load * admittance, 0, 0};
-    for (int k = 0; k < 40; ++k) {
-      b.pull({-load, 0, 0});
-      b.bench.step();
-    }
-    return b.contact().gap - kGap;
+    const auto steps = [&](int n) {
+      while (n-- > 0) {
+        b.pull({-load, 0, 0});
+        b.bench.step();
+      }
+      return b.contact().gap;
+    };
+    const double pressed = steps(40);  // the impulse grows to the load
+    return steps(40) - pressed;
   };
   CHECK(opens_under(0.98) > 0);
   CHECK(opens_under(1.02) < 0);

@@ -73,7 +73,7 @@ template <class T, int kWidth>
 void solve_steps(Heap<T>& heap) {
   ContactSolver<T, kWidth> solver(heap.capacities);
   const SweepRule<T> rule{Softness<T>::make(T(250), T(10), T(2.5e-4)), T(4000), T(1e-5), T(0.25)};
-  solver.prepare(std::span<const Contact>(heap.contacts), heap.bodies());
+  solver.prepare(std::span<const Contact>(heap.contacts), heap.bodies(), 1e-3);
   for (int sub_step = 0; sub_step < 3; ++sub_step) {
     solver.warm_start(heap.bodies(), rule);
     solver.solve_biased(heap.bodies(), rule, sub_step > 0);

@@ -172,8 +172,12 @@ TEST_CASE("A tonne stands on light cubes, wherever the border runs") {
                   << " % of the ticks");
     CHECK(row.stands);
     CHECK(account.spent_share < 0.1);
-    // With two members, proxy and tonne, all that acts on the tonne goes through the border.
-    if (row.members == 2) CHECK(std::abs(account.border_work_J + account.corrected_J - account.global_work_J) < 1e-3);
+    // With two members, proxy and tonne, all that acts on the tonne goes through the border but for the proxy. Their
+    // contact dissipates in each world its own energy: m (2 v)^2 / 2 in an impact, v: the tonne's greatest speed. The
+    // difference varies between -9 and 7 mJ with proxies of 0.05 to 0.4 kg.
+    const double impact_J = 4 * 0.2 / 1000 * row.kinetic_J;
+    if (row.members == 2)
+      CHECK(std::abs(account.border_work_J + account.corrected_J - account.global_work_J) < 2 * impact_J);
     CHECK(row.pose_off_share < kGoal);
   }
 }
