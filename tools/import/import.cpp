@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "rt/base/ids.h"
 #include "tools/import/check_scene.h"
 #include "tools/import/model_to_draft.h"
 
