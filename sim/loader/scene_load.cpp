@@ -213,11 +213,11 @@ class SceneReader {
     return scene_.bodies.back();
   }
 
-  physics::Body& add_listed(physics::Body body, const text::TomlNode& table) {
+  physics::Body& add_listed(const ReadBody& read, const text::TomlNode& table) {
     const text::TomlNode* name = table.find("name");
     scene_.listed.push_back(
-        {.name = name == nullptr ? "" : name->text, .line = table.line, .given_from_body = bodies_.given_from_body()});
-    return add(std::move(body));
+        {.name = name == nullptr ? "" : name->text, .line = table.line, .given_from_body = read.given_from_body});
+    return add(read.body);
   }
 
   void check_friction(text::TableReader& t, double friction) {

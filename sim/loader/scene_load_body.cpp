@@ -164,7 +164,8 @@ std::optional<ReadShape> BodyReader::read_shape(text::TableReader& table, ShapeK
 
 // Replaces the mass properties of a homogeneous solid by the moments of inertia and the centre of mass in the table, if
 // there are any. A hull is replaced by an entry with these properties.
-void BodyReader::read_mass_properties(text::TableReader& table, const ReadShape& known, Body& body) {
+void BodyReader::read_mass_properties(text::TableReader& table, const ReadShape& known, ReadBody& read) {
+  Body& body = read.body;
   const auto inertia = read_inertia(table);
   if (!known.hull) {
     if (!inertia) return;
@@ -193,7 +194,7 @@ void BodyReader::read_mass_properties(text::TableReader& table, const ReadShape&
   body.shape = Shape::convex(hull, made->index);
   body.inertia = hull.inertia_per_kg * body.mass;
   body.motion.pose = table.pose() * made->given_from_body;
-  given_from_body_ = made->given_from_body;
+  read.given_from_body = made->given_from_body;
 }
 
 void BodyReader::read_motion(text::TableReader& table, Body& body) {
@@ -201,21 +202,19 @@ void BodyReader::read_motion(text::TableReader& table, Body& body) {
   body.motion.velocity.angular = table.vector("angular_velocity_rad_per_s", {}, kAngularVelocity);
 }
 
-Body BodyReader::read(text::TableReader& table, BodyRole role) {
+ReadBody BodyReader::read(text::TableReader& table, BodyRole role) {
   const bool proxy = role == BodyRole::kProxy;
-  given_from_body_ = {};
   const auto kind = read_kind(table, [proxy](const ShapeTraits& traits) { return traits.moves || !proxy; });
   if (kind == ShapeKind::kCompound) return read_compound(table, role);
   const auto known = kind ? read_shape(table, *kind) : std::nullopt;
   if (!known) {  // its other keys cannot be checked
     table.ignore_the_rest();
-    return harmless_body();
+    return {harmless_body()};
   }
   table.refuse("parts", fmt::format("a {} has none", traits_of(*kind).name), "no such key; or shape = \"compound\"");
   const Shape& shape = known->shape;
   const double friction = table.number("friction", 0, kFriction);
   const Posed pose = table.pose() * known->given_from_body;
-  given_from_body_ = known->given_from_body;
   const bool is_plane = shape.kind == ShapeKind::kPlane, is_mesh = shape.kind == ShapeKind::kMesh;
   const bool fixed = !proxy && table.flag("fixed", is_plane || is_mesh);
   if (is_plane && !fixed) table.mistake("fixed", "a plane never moves", "true");
@@ -223,14 +222,14 @@ Body BodyReader::read(text::TableReader& table, BodyRole role) {
   if (fixed || is_plane || is_mesh) {
     refuse_mass_and_motion(table, is_mesh ? "a mesh never moves, so it has none" : "a fixed body has none",
                            is_mesh ? "no such key; what moves is a hull or a compound" : "no such key");
-    return physics::make_fixed_body(kNoBody, shape, friction, pose);
+    return {physics::make_fixed_body(kNoBody, shape, friction, pose), known->given_from_body};
   }
   const double mass_kg = is_weightless(table, role) ? 1 : read_mass(table, volume_of(shape));
-  auto body = physics::make_dynamic_body(kNoBody, shape, mass_kg, friction, pose);
-  read_mass_properties(table, *known, body);
-  read_motion(table, body);
-  if (proxy) body.gravity_scale = 0;
-  return body;
+  ReadBody read{physics::make_dynamic_body(kNoBody, shape, mass_kg, friction, pose), known->given_from_body};
+  read_mass_properties(table, *known, read);
+  read_motion(table, read.body);
+  if (proxy) read.body.gravity_scale = 0;
+  return read;
 }
 
 // Empty if a part's shape is unknown: a mistake has been added. Masses are those of the density 1 kg/m^3, unless the
@@ -301,7 +300,7 @@ Shape BodyReader::add_compound(const BuiltCompound& built) {
   return physics::compound_shape(scene_.compounds[index], index);
 }
 
-Body BodyReader::read_compound(text::TableReader& table, BodyRole role) {
+ReadBody BodyReader::read_compound(text::TableReader& table, BodyRole role) {
   const bool proxy = role == BodyRole::kProxy;
   const bool fixed = !proxy && table.flag("fixed", false);
   const bool own_mass = table.has("mass_kg") || table.has("density_kg_per_m3");
@@ -313,7 +312,7 @@ Body BodyReader::read_compound(text::TableReader& table, BodyRole role) {
   auto parts = read_parts(table, mass_from);
   if (parts.empty()) {
     table.ignore_the_rest();
-    return harmless_body();
+    return {harmless_body()};
   }
   share_mass(table, mass_from, parts);
   auto built = build_compound(parts, scene_.hulls);
@@ -328,13 +327,12 @@ Body BodyReader::read_compound(text::TableReader& table, BodyRole role) {
   }
   const Shape shape = add_compound(built);
   const Posed pose = given * built.given_from_body;
-  given_from_body_ = built.given_from_body;
-  if (fixed) return physics::make_fixed_body(kNoBody, shape, friction, pose);
+  if (fixed) return {physics::make_fixed_body(kNoBody, shape, friction, pose), built.given_from_body};
   auto body = physics::make_dynamic_body(kNoBody, shape, built.mass_kg, friction, pose);
   body.inertia = built.inertia_kg_m2;
   read_motion(table, body);
   if (proxy) body.gravity_scale = 0;
-  return body;
+  return {body, built.given_from_body};
 }
 
 }  // namespace tactus::sim

@@ -21,6 +21,11 @@ struct ReadShape {
   std::optional<HullOfBody> hull{};
 };
 
+struct ReadBody {
+  physics::Body body;
+  Posed given_from_body{};  // of the body's frame in that of its keys position_m and rotation
+};
+
 class BodyReader {
  public:
   // `folder`: file names are relative to it; none: no file is opened.
@@ -32,10 +37,8 @@ class BodyReader {
 
   // The [[hull_file]] and [[mesh_file]] tables of the text.
   void read_kept(text::TableReader& root);
-  // Returns a body without an id. Gravity does not act on the proxy: the device holds it.
-  physics::Body read(text::TableReader& table, BodyRole role);
-  // Of the body that was read last: the pose of its frame in that of its keys position_m and rotation.
-  const Posed& given_from_body() const noexcept { return given_from_body_; }
+  // The body has no id yet. Gravity does not act on the proxy: the device holds it.
+  ReadBody read(text::TableReader& table, BodyRole role);
   // Text to append to the source, so that it needs no file.
   std::string kept() const { return hulls_.kept() + meshes_.kept(); }
 
@@ -46,14 +49,13 @@ class BodyReader {
   std::optional<ReadShape> read_shape(text::TableReader& table, physics::ShapeKind kind);
   double volume_of(const physics::Shape& shape) const;
   Vec3d inertia_of(const physics::Shape& shape, double mass_kg) const;
-  void read_mass_properties(text::TableReader& table, const ReadShape& known, physics::Body& body);
+  void read_mass_properties(text::TableReader& table, const ReadShape& known, ReadBody& read);
   void read_motion(text::TableReader& table, physics::Body& body);
   std::vector<GivenPart> read_parts(text::TableReader& table, MassFrom mass_from);
   void share_mass(text::TableReader& table, MassFrom mass_from, std::vector<GivenPart>& parts);
   physics::Shape add_compound(const BuiltCompound& built);
-  physics::Body read_compound(text::TableReader& table, BodyRole role);
+  ReadBody read_compound(text::TableReader& table, BodyRole role);
 
-  Posed given_from_body_;
   Scene& scene_;
   text::Diagnostics& diagnostics_;
   HullReader hulls_;

@@ -5,6 +5,8 @@
 #include <map>
 #include <tuple>
 
+#include "tools/import/hull_shapes.h"
+
 namespace tactus::scene_import {
 namespace {
 
@@ -181,13 +183,7 @@ std::vector<Plane> planes_to_try(const Fragment& fragment, const Vec3d& worst, d
       if (add_crease(fragment.creases[std::min(at, count - 1)])) ++added;
     }
   }
-  Vec3d low = fragment.triangles.front()[0], high = low;
-  for (const auto& t : fragment.triangles)
-    for (const Vec3d& corner : t)
-      for (int k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], corner[k]);
-        high[k] = std::max(high[k], corner[k]);
-      }
+  const auto [low, high] = box_of(fragment.triangles);
   for (int k = 0; k < 3; ++k) {
     Vec3d normal;
     normal[k] = 1;

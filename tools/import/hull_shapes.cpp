@@ -62,6 +62,13 @@ std::vector<Vec3d> icosahedral_directions() {
   return all;
 }
 
+void extend(physics::Aabb& box, const Vec3d& p) {
+  for (int k = 0; k < 3; ++k) {
+    box.lower[k] = std::min(box.lower[k], p[k]);
+    box.upper[k] = std::max(box.upper[k], p[k]);
+  }
+}
+
 double distance_to_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   const Vec3d d = b - a;
   const double length = norm_squared(d);
@@ -138,6 +145,19 @@ Result<HullPoints> thinned(std::span<const Vec3d> points) {
 }
 
 }  // namespace
+
+physics::Aabb box_of(std::span<const Vec3d> points) {
+  physics::Aabb box{points.front(), points.front()};
+  for (const Vec3d& p : points) extend(box, p);
+  return box;
+}
+
+physics::Aabb box_of(std::span<const std::array<Vec3d, 3>> triangles) {
+  physics::Aabb box = box_of(triangles.front());
+  for (const auto& t : triangles)
+    for (const Vec3d& corner : t) extend(box, corner);
+  return box;
+}
 
 double extent_of(std::span<const Vec3d> points) {
   double extent = 0;

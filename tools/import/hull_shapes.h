@@ -4,10 +4,12 @@
 // of a solid that is too thin.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
 #include "rt/base/result.h"
+#include "rt/physics/shapes/shape.h"
 #include "sim/geometry/mesh_files.h"
 
 namespace tactus::scene_import {
@@ -25,8 +27,12 @@ HullPoints ellipsoid_hull(const Vec3d& half_axes);
 // then that between the whole hull and the thinned one.
 Result<HullPoints> hull_of(std::span<const Vec3d> points);
 
-// The surface of the points' hull, as triangles.
+// The surface of the hull of at most 64 vertices that the points make in a scene, as triangles.
 Result<sim::TriangleSoup> surface_of(std::span<const Vec3d> points);
+
+// The boxes about points, and about the corners of triangles, along the axes; of one point at least.
+physics::Aabb box_of(std::span<const Vec3d> points);
+physics::Aabb box_of(std::span<const std::array<Vec3d, 3>> triangles);
 
 // The largest distance of a point to the first one: between half the diameter of the set and the diameter.
 double extent_of(std::span<const Vec3d> points);

@@ -102,15 +102,9 @@ std::optional<Piece> piece_of(Fragment fragment) {
       .fragment = std::move(fragment), .surface = std::move(surface).value(), .volume_m3 = volume, .excess = {}};
 }
 
-// Of the box around the piece, along the axes.
 double diagonal_of(const Piece& piece) {
-  Vec3d low = piece.surface.corners.front(), high = low;
-  for (const Vec3d& corner : piece.surface.corners)
-    for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], corner[k]);
-      high[k] = std::max(high[k], corner[k]);
-    }
-  return norm(high - low);
+  const physics::Aabb box = box_of(piece.surface.corners);
+  return norm(box.upper - box.lower);
 }
 
 // The two parts of the piece with the least volume together; of planes that leave as much, to a thousandth, the one
@@ -164,13 +158,7 @@ std::vector<Piece> divided(const sim::TriangleSoup& soup, unsigned most, const S
 }
 
 bool touch(const Piece& a, const Piece& b, double rounding_m) {
-  for (int k = 0; k < 3; ++k) {
-    const auto along = [k](const Vec3d& p) { return p[k]; };
-    const auto [low_a, high_a] = std::ranges::minmax(a.surface.corners, {}, along);
-    const auto [low_b, high_b] = std::ranges::minmax(b.surface.corners, {}, along);
-    if (low_a[k] > high_b[k] + rounding_m || low_b[k] > high_a[k] + rounding_m) return false;
-  }
-  return true;
+  return box_of(a.surface.corners).grown(rounding_m).overlaps(box_of(b.surface.corners));
 }
 
 // The hull of two pieces, if 64 vertices suffice.

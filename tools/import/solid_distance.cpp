@@ -12,17 +12,17 @@ namespace {
 
 constexpr std::uint32_t kMostInLeaf = 4;
 
-double distance_to_box(const Vec3d& p, const Vec3d& lower, const Vec3d& upper) {
+double distance_to_box(const Vec3d& p, const physics::Aabb& box) {
   Vec3d d;
-  for (int i = 0; i < 3; ++i) d[i] = std::max({lower[i] - p[i], 0.0, p[i] - upper[i]});
+  for (int i = 0; i < 3; ++i) d[i] = std::max({box.lower[i] - p[i], 0.0, p[i] - box.upper[i]});
   return norm(d);
 }
 
 // True where the line from p along `inverse` (1 over its direction) meets the box at or after p.
-bool meets_box(const Vec3d& p, const Vec3d& inverse, const Vec3d& lower, const Vec3d& upper) {
+bool meets_box(const Vec3d& p, const Vec3d& inverse, const physics::Aabb& box) {
   double from = 0, to = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
-    const double a = (lower[i] - p[i]) * inverse[i], b = (upper[i] - p[i]) * inverse[i];
+    const double a = (box.lower[i] - p[i]) * inverse[i], b = (box.upper[i] - p[i]) * inverse[i];
     from = std::max(from, std::min(a, b));
     to = std::min(to, std::max(a, b));
   }
@@ -96,23 +96,18 @@ SolidDistance::SolidDistance(const sim::TriangleSoup& soup) {
   for (const auto& t : soup.triangles)
     triangles_.push_back({soup.corners[t[0]], soup.corners[t[1]], soup.corners[t[2]]});
   build(0, static_cast<std::uint32_t>(triangles_.size()));
-  rounding_m_ = kHullRounding * norm(nodes_[0].upper - nodes_[0].lower);
+  rounding_m_ = kHullRounding * norm(nodes_[0].box.upper - nodes_[0].box.lower);
 }
 
 std::uint32_t SolidDistance::build(std::uint32_t first, std::uint32_t count) {
   const auto at = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
-  Node node{triangles_[first][0], triangles_[first][0], first, count, 0};
-  for (std::uint32_t i = first; i < first + count; ++i)
-    for (const Vec3d& corner : triangles_[i])
-      for (int k = 0; k < 3; ++k) {
-        node.lower[k] = std::min(node.lower[k], corner[k]);
-        node.upper[k] = std::max(node.upper[k], corner[k]);
-      }
+  Node node{box_of(std::span(triangles_).subspan(first, count)), first, count, 0};
   if (count > kMostInLeaf) {
+    const Vec3d size = node.box.upper - node.box.lower;
     int axis = 0;
     for (int k = 1; k < 3; ++k)
-      if (node.upper[k] - node.lower[k] > node.upper[axis] - node.lower[axis]) axis = k;
+      if (size[k] > size[axis]) axis = k;
     const auto begin = triangles_.begin() + first;
     std::stable_sort(begin, begin + count, [axis](const auto& a, const auto& b) {
       return a[0][axis] + a[1][axis] + a[2][axis] < b[0][axis] + b[1][axis] + b[2][axis];
@@ -138,12 +133,12 @@ SolidDistance::Nearest SolidDistance::nearest(const Vec3d& p) const {
 
 void SolidDistance::look(const Vec3d& p, std::uint32_t at, Nearest& best) const {
   const Node& node = nodes_[at];
-  if (distance_to_box(p, node.lower, node.upper) >= best.distance_m) return;
+  if (distance_to_box(p, node.box) >= best.distance_m) return;
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
     if (const double d = distance_to(p, i); d < best.distance_m) best = {d, i};
   if (node.count > 0) return;
   const Node &a = nodes_[at + 1], &b = nodes_[node.second];
-  const bool swap = distance_to_box(p, b.lower, b.upper) < distance_to_box(p, a.lower, a.upper);
+  const bool swap = distance_to_box(p, b.box) < distance_to_box(p, a.box);
   look(p, swap ? node.second : at + 1, best);
   look(p, swap ? at + 1 : node.second, best);
 }
@@ -156,7 +151,7 @@ int SolidDistance::leavings(const Vec3d& p, const Vec3d& along) const {
     const std::uint32_t at = open.back();
     const Node& node = nodes_[at];
     open.pop_back();
-    if (!meets_box(p, inverse, node.lower, node.upper)) continue;
+    if (!meets_box(p, inverse, node.box)) continue;
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) sum += crossing(p, along, triangles_[i]);
     if (node.count == 0) open.insert(open.end(), {node.second, at + 1});
   }
@@ -164,20 +159,13 @@ int SolidDistance::leavings(const Vec3d& p, const Vec3d& along) const {
 }
 
 bool SolidDistance::may_cross(const std::array<Vec3d, 3>& part) const {
-  Vec3d lower = part[0], upper = part[0];
-  for (const Vec3d& corner : part)
-    for (int k = 0; k < 3; ++k) {
-      lower[k] = std::min(lower[k], corner[k]);
-      upper[k] = std::max(upper[k], corner[k]);
-    }
+  const physics::Aabb box = box_of(part);
   std::vector<std::uint32_t> open{0};
   while (!open.empty()) {
     const std::uint32_t at = open.back();
     const Node& node = nodes_[at];
     open.pop_back();
-    bool apart = false;
-    for (int k = 0; k < 3; ++k) apart = apart || node.lower[k] > upper[k] || node.upper[k] < lower[k];
-    if (apart) continue;
+    if (!node.box.overlaps(box)) continue;
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
       if (!is_beside(triangles_[i], part, rounding_m_) && !is_beside(part, triangles_[i], rounding_m_)) return true;
     if (node.count == 0) open.insert(open.end(), {node.second, at + 1});

@@ -5,6 +5,7 @@
 // normal one. Bound: a tree of boxes; kMaxDivisions triangles of the second surface. Errors: none.
 #pragma once
 
+#include "rt/physics/shapes/shape.h"
 #include "sim/geometry/mesh_files.h"
 
 namespace tactus::scene_import {
@@ -30,7 +31,7 @@ class SolidDistance {
 
  private:
   struct Node {
-    Vec3d lower, upper;
+    physics::Aabb box;
     std::uint32_t first{0}, count{0}, second{0};  // count 0: an inner node, its first child follows it
   };
   std::uint32_t build(std::uint32_t first, std::uint32_t count);

@@ -12,9 +12,6 @@ using Catch::Matchers::StartsWith;
 
 namespace {
 
-constexpr bool kHasAssimp = TACTUS_TEST_HAS_ASSIMP != 0;
-#define TACTUS_NEEDS_ASSIMP() TACTUS_NEEDS(kHasAssimp, "no assimp in this build (Debian: libassimp-dev)")
-
 bool is_one_line(const std::string& text) { return !text.empty() && text.find('\n') == std::string::npos; }
 
 std::string blocks() {

@@ -23,6 +23,11 @@ inline std::filesystem::path compiler() {
   return std::filesystem::path(TACTUS_PROGRAM).parent_path().parent_path() / "share/tactus/import/compile.mjs";
 }
 
+constexpr bool kHasAssimp = TACTUS_TEST_HAS_ASSIMP != 0;
+#define TACTUS_NEEDS_ASSIMP() TACTUS_NEEDS(tactus::test::kHasAssimp, "no assimp in this build (Debian: libassimp-dev)")
+
+constexpr double kPi = 3.141592653589793;
+
 inline bool has_compiler() {
   std::error_code none;
   return std::filesystem::exists(compiler().parent_path() / "mujoco.wasm", none) &&

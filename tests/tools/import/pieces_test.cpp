@@ -15,14 +15,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double kPi = 3.141592653589793;
-
-#if TACTUS_TEST_HAS_ASSIMP
-constexpr bool kHasAssimp = true;
-#else
-constexpr bool kHasAssimp = false;
-#endif
-
 struct RadiusHeight {
   double r, z;
 };
@@ -236,7 +228,7 @@ TEST_CASE("a hollow that no opening shows stays hollow") {
 }
 
 TEST_CASE("a ball rests at the bottom of an imported bowl, within the deviation") {
-  TACTUS_NEEDS(kHasAssimp, "no assimp in this build (Debian: libassimp-dev)");
+  TACTUS_NEEDS_ASSIMP();
   const Scratch scratch;
   const sim::TriangleSoup solid = bowl(16);
   auto options = options_for(scratch.write("bowl.obj", obj_of(solid)));
@@ -277,7 +269,7 @@ TEST_CASE("a ball rests at the bottom of an imported bowl, within the deviation"
 }
 
 TEST_CASE("a peg falls through an imported ring, and a thicker one does not") {
-  TACTUS_NEEDS(kHasAssimp, "no assimp in this build (Debian: libassimp-dev)");
+  TACTUS_NEEDS_ASSIMP();
   const Scratch scratch;
   auto options = options_for(scratch.write("ring.obj", obj_of(ring(24))));
   options.proxy_position = Vec3d{0, 5, 5};

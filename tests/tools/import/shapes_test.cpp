@@ -13,14 +13,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double kPi = 3.141592653589793;
-
-#if TACTUS_TEST_HAS_ASSIMP
-constexpr bool kHasAssimp = true;
-#else
-constexpr bool kHasAssimp = false;
-#endif
-
 // Points of an ellipsoid's surface.
 std::vector<Vec3d> on_ellipsoid(const Vec3d& half_axes, int count) {
   std::mt19937 random(7);
@@ -199,7 +191,7 @@ TEST_CASE("defaults, includes and copies are MuJoCo's") {
 }
 
 TEST_CASE("a concave file becomes its hull, with the gap, or pieces, within the deviation", "[slow]") {
-  TACTUS_NEEDS(kHasAssimp, "no assimp in this build (Debian: libassimp-dev)");
+  TACTUS_NEEDS_ASSIMP();
   auto options = options_for(kModels / "bracket.obj");
   options.shapes.unit_m = 0.001;
   options.pieces.most = 1;
@@ -236,7 +228,7 @@ TEST_CASE("a mesh in pieces has the mass, centre and moments that MuJoCo gives t
 }
 
 TEST_CASE("nodes of glTF are bodies, y is up, and custom properties count") {
-  TACTUS_NEEDS(kHasAssimp, "no assimp in this build (Debian: libassimp-dev)");
+  TACTUS_NEEDS_ASSIMP();
   const auto made = imported("blocks.gltf");
   const auto scene = loaded(made);
   REQUIRE(scene.bodies.size() == 4);

@@ -84,7 +84,7 @@ haptics::DeviceTarget CoupledWorlds::device_that_holds(const WorldKeyframe& at, 
 
 // Removes the proxy and adds it again at the new place with its former contacts.
 void CoupledWorlds::shift_proxy(const WorldKeyframe& now, const Vec3d& shift) {
-  haptics::WorldSnapshot& snapshot = exchange_.snapshots.writing(0);  // without a global world, nobody reads it
+  haptics::WorldSnapshot& snapshot = exchange_.snapshots.writing(0);  // only start_from publishes it
   haptics::SubWorldReport& report = exchange_.reports.writing(0);
   snapshot = {};
   for (const auto& body : now.bodies)
