@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "rt/text/nearest_word.h"
+#include "sim/model/given_pose.h"
 #include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
@@ -169,10 +170,12 @@ void EffectReader::read_body(text::TableReader& table, Body& body) {
 
 void EffectReader::read_script(text::TableReader& table, Body& body) {
   auto& keys = scene_.effect_data.path_keys;
+  const Posed given_from_body = sim::given_from_body(scene_, body.id);
   physics::KinematicScript script{.id = body.id,
                                   .first_key = static_cast<std::uint32_t>(keys.size()),
                                   .keys = 0,
-                                  .repeat = table.flag("repeat_path", false)};
+                                  .repeat = table.flag("repeat_path", false),
+                                  .key_from_body = given_from_body};
   unsigned number = 0;
   for (const text::TomlNode& node : table.array("path", kMaxPathKeys)) {
     text::TableReader t(&node, table.name_of(fmt::format("path.{}", ++number)), diagnostics_);
@@ -194,7 +197,7 @@ void EffectReader::read_script(text::TableReader& table, Body& body) {
     for (const char* key : {"position_m", "rotation_vector_rad", "velocity_m_per_s", "angular_velocity_rad_per_s"})
       table.refuse(key, "the body has a path", "no such key: the path says it");
     const auto& first = keys[script.first_key];
-    body.motion.pose = {first.position_m, quat_from_rotation_vector(first.rotation_vector_rad)};
+    body.motion.pose = Posed{first.position_m, quat_from_rotation_vector(first.rotation_vector_rad)} * given_from_body;
     body.motion.velocity = {};
   }
   body.gravity_scale = 0;

@@ -5,6 +5,7 @@
 
 #include "rt/text/nearest_word.h"
 #include "sim/loader/scene_load_effects.h"
+#include "sim/model/given_pose.h"
 
 namespace tactus::sim {
 namespace {
@@ -75,12 +76,13 @@ void EffectReader::read_joint(text::TableReader& t) {
   const Posed world_from_a = known && joint.a != kNoBody ? scene_.bodies[joint.a].motion.pose : Posed{};
   const Posed world_from_b = known ? scene_.bodies[joint.b].motion.pose : Posed{};
 
+  const auto place_of = [&](BodyId body, const Posed& pose) { return given_pose(scene_, body, pose).position; };
   Posed at_a, at_b;  // world_from_joint, of A's and of B's side
   if (joint.kind == JointKind::kDistance) {
-    at_a.position = t.vector("position_a_m", world_from_a.position, kPlace);
-    at_b.position = t.vector("position_b_m", world_from_b.position, kPlace);
+    at_a.position = t.vector("position_a_m", place_of(joint.a, world_from_a), kPlace);
+    at_b.position = t.vector("position_b_m", place_of(joint.b, world_from_b), kPlace);
   } else {
-    at_a.position = t.vector("position_m", world_from_b.position, kPlace);
+    at_a.position = t.vector("position_m", place_of(joint.b, world_from_b), kPlace);
     if (joint.kind == JointKind::kHinge || joint.kind == JointKind::kSlider) {
       t.require("axis", "[x, y, z]: its direction in the world");
       const Vec3d axis = t.vector("axis", {0, 0, 1}, {"a direction", -1e6, 1e6});

@@ -120,7 +120,7 @@ inline constexpr Meaning kMeanings[] = {
      "[xx, yy, zz, xy, xz, yz]",
      "those of the solid"},
     {"body", "centre_of_mass_m", "centre of mass in the body's frame; with inertia_kg_m2", "the solid's"},
-    {"body", "velocity_m_per_s", "velocity at the start, world frame", ""},
+    {"body", "velocity_m_per_s", "velocity of the centre of mass at the start, world frame", ""},
     {"body", "angular_velocity_rad_per_s", "angular velocity at the start, world frame", ""},
     {"body", "name", "a name for joints, attraction and messages; each body its own", ""},
     {"body", "fixed", "the body never moves", "false; planes and meshes always are"},

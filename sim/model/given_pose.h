@@ -10,11 +10,15 @@
 
 namespace tactus::sim {
 
+// Pose of a body's own frame in the given one.
+inline Posed given_from_body(const Scene& scene, BodyId body) {
+  return body < scene.listed.size() ? scene.listed[body].given_from_body : Posed{};
+}
+
 // Pose of the given frame of a body whose own frame has the pose `world_from_body`.
 inline Posed given_pose(const Scene& scene, BodyId body, const Posed& world_from_body) {
-  if (body >= scene.listed.size()) return world_from_body;
-  const Posed& given_from_body = scene.listed[body].given_from_body;
-  return given_from_body == Posed{} ? world_from_body : world_from_body * inverse(given_from_body);
+  const Posed given = given_from_body(scene, body);
+  return given == Posed{} ? world_from_body : world_from_body * inverse(given);
 }
 
 }  // namespace tactus::sim

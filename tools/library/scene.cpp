@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "sim/loader/scene_load.h"
+#include "sim/model/given_pose.h"
 #include "tools/library/access.h"
 #include "tools/library/values.h"
 
@@ -67,9 +68,9 @@ void fill_shape(const physics::Shape& shape, Info& info) noexcept {
   info.half_extents_m = to_public(shape.half_extents);
 }
 
-std::vector<Vector3> corners_of(const physics::Hull& hull) {
+std::vector<Vector3> corners_of(const physics::Hull& hull, const Posed& from_hull) {
   std::vector<Vector3> corners;
-  for (std::uint32_t i = 0; i < hull.topology.vertices; ++i) corners.push_back(to_public(hull.vertex(i)));
+  for (std::uint32_t i = 0; i < hull.topology.vertices; ++i) corners.push_back(to_public(from_hull * hull.vertex(i)));
   return corners;
 }
 
@@ -124,10 +125,15 @@ BodyInfo Scene::body(BodyNumber number) const noexcept {
   fill_shape(body->shape, info);
   info.fixed = body->kind == physics::BodyKind::kFixed;
   info.mass_kg = body->mass;
+  const sim::Scene& scene = Access::scene(*this);
+  const Posed given_from_body = sim::given_from_body(scene, number);
+  const Posed world_from_given = sim::given_pose(scene, number, body->motion.pose);
+  info.centre_of_mass_m = to_public(given_from_body.position);
+  info.principal_axes = to_public(given_from_body.rotation);
   info.inertia_kg_m2 = to_public(body->inertia);
   info.friction = body->friction;
-  info.position_m = to_public(body->motion.pose.position);
-  info.rotation = to_public(body->motion.pose.rotation);
+  info.position_m = to_public(world_from_given.position);
+  info.rotation = to_public(world_from_given.rotation);
   return info;
 }
 
@@ -145,10 +151,12 @@ std::vector<Vector3> Scene::corners(BodyNumber number) const {
   const physics::Body* body = body_of(static_cast<const sim::Scene*>(scene_.get()), number);
   if (body == nullptr) return corners;
   const sim::Scene& scene = Access::scene(*this);
+  const Posed given_from_body = sim::given_from_body(scene, number);
   if (body->shape.kind == physics::ShapeKind::kHull) {
-    corners = corners_of(scene.hulls[body->shape.index]);
+    corners = corners_of(scene.hulls[body->shape.index], given_from_body);
   } else if (body->shape.kind == physics::ShapeKind::kMesh) {
-    for (const Vec3d& corner : scene.meshes[body->shape.index].corners) corners.push_back(to_public(corner));
+    for (const Vec3d& corner : scene.meshes[body->shape.index].corners)
+      corners.push_back(to_public(given_from_body * corner));
   }
   return corners;
 }
@@ -161,9 +169,10 @@ std::vector<PartInfo> Scene::parts(BodyNumber number) const {
   for (const physics::CompoundPart& part : scene.compounds[body->shape.index].parts) {
     PartInfo& info = parts.emplace_back();
     fill_shape(part.shape, info);
-    info.position_m = to_public(part.body_from_part.position);
-    info.rotation = to_public(part.body_from_part.rotation);
-    if (part.shape.kind == physics::ShapeKind::kHull) info.corners = corners_of(scene.hulls[part.shape.index]);
+    const Posed given_from_part = sim::given_from_body(scene, number) * part.body_from_part;
+    info.position_m = to_public(given_from_part.position);
+    info.rotation = to_public(given_from_part.rotation);
+    if (part.shape.kind == physics::ShapeKind::kHull) info.corners = corners_of(scene.hulls[part.shape.index], {});
   }
   return parts;
 }

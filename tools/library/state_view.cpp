@@ -2,14 +2,16 @@
 
 #include <algorithm>
 
+#include "sim/model/given_pose.h"
 #include "tools/library/values.h"
 
 namespace tactus::library {
 namespace {
 
-BodyState to_state(const physics::BodyMotion& motion) noexcept {
-  return {.position_m = to_public(motion.pose.position),
-          .rotation = to_public(motion.pose.rotation),
+BodyState to_state(const sim::Scene& scene, BodyId body, const physics::BodyMotion& motion) noexcept {
+  const Posed pose = sim::given_pose(scene, body, motion.pose);
+  return {.position_m = to_public(pose.position),
+          .rotation = to_public(pose.rotation),
           .velocity_m_per_s = to_public(motion.velocity.linear),
           .angular_velocity_rad_per_s = to_public(motion.velocity.angular)};
 }
@@ -18,8 +20,9 @@ BodyState to_state(const physics::BodyMotion& motion) noexcept {
 
 void StateView::bind(Sessions sessions) {
   const sim::Scene& scene = sessions.front()->scene;
+  scene_ = &scene;
   bodies.resize(scene.bodies.size());
-  for (const physics::Body& body : scene.bodies) bodies[body.id] = to_state(body.motion);
+  for (const physics::Body& body : scene.bodies) bodies[body.id] = to_state(scene, body.id, body.motion);
   hands.resize(sessions.size());
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     Hand& hand = hands[i];
@@ -37,7 +40,7 @@ void StateView::bind(Sessions sessions) {
 }
 
 void StateView::look(const sim::GlobalWorld& world) {
-  for (const physics::Body& body : world.bodies()) bodies[body.id] = to_state(body.motion);
+  for (const physics::Body& body : world.bodies()) bodies[body.id] = to_state(*scene_, body.id, body.motion);
   for (std::uint32_t i = 0; i < hands.size(); ++i) {
     Hand& hand = hands[i];
     for (const physics::Body& body : world.bodies())
@@ -67,12 +70,12 @@ void StateView::place_members(const session::Session& session, Hand& hand) {
     if (hand.roles[member] == Role::kMember) hand.roles[member] = Role::kGlobal;
   hand.members.clear();
   for (const physics::Body& body : sub_world.world().bodies()) {
-    bodies[body.id] = to_state(body.motion);
+    bodies[body.id] = to_state(session.scene, body.id, body.motion);
     hand.roles[body.id] = Role::kMember;
     hand.members.push_back(body.id);
   }
   const BodyNumber proxy = session.scene.proxy;
-  bodies[proxy] = to_state(sub_world.proxy());
+  bodies[proxy] = to_state(session.scene, proxy, sub_world.proxy());
   hand.roles[proxy] = Role::kMember;
   if (hand.members.empty()) hand.members.push_back(proxy);  // couplings in which the sub-world is the proxy alone
 }

@@ -36,6 +36,8 @@ struct StateView {
   void place_members(const session::Session& session, Hand& hand);
   void list_contacts(const session::Session& session, Hand& hand);
   void list_border(const session::Session& session, Hand& hand);
+
+  const sim::Scene* scene_{nullptr};  // of the sessions that it is bound to
 };
 
 // Passes the global world's state to a thread that reads it at a low rate; neither waits for the other. Bound: a copy

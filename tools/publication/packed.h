@@ -28,6 +28,10 @@ inline Quatd rotation_of(const Rotation& packed) noexcept {
                           static_cast<double>(packed.z)});
 }
 
+inline Posed pose_of(const Position& p, const Rotation& packed) noexcept {
+  return {{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)}, rotation_of(packed)};
+}
+
 // Id of the contact's second body, which may be fixed.
 inline BodyId second_of(const physics::Contact& contact, const physics::World& world) noexcept {
   return contact.b_fixed ? world.fixed_bodies()[contact.slot_b].id : world.bodies()[contact.slot_b].id;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 
+#include "sim/model/given_pose.h"
 #include "tools/publication/packed.h"
 #include "tools/publication/watched_controller.h"
 #include "tools/python/classes.h"
@@ -34,22 +35,19 @@ py::capsule keeper_of(std::unique_ptr<T> value) {
   return py::capsule(value.release(), [](void* kept) { delete static_cast<T*>(kept); });
 }
 
-py::array_t<double> positions_of(const Frame& frame) {
-  py::array_t<double> array({static_cast<py::ssize_t>(frame.positions.size()), py::ssize_t{3}});
-  double* out = array.mutable_data();
-  for (const publication::Position& p : frame.positions)
-    for (const float value : {p.x, p.y, p.z}) *out++ = static_cast<double>(value);
-  return array;
-}
-
-py::array_t<double> rotations_of(const Frame& frame) {
-  py::array_t<double> array({static_cast<py::ssize_t>(frame.rotations.size()), py::ssize_t{4}});
-  double* out = array.mutable_data();
-  for (const publication::Rotation& packed : frame.rotations) {
-    const Quatd q = publication::rotation_of(packed);
-    for (const double value : {q.w, q.x, q.y, q.z}) *out++ = value;
+// Poses of the frames that the scene places.
+void add_poses(const sim::Scene& scene, std::span<const BodyId> moving, const Frame& frame, py::dict& to) {
+  const auto count = static_cast<py::ssize_t>(moving.size());
+  py::array_t<double> positions({count, py::ssize_t{3}}), rotations({count, py::ssize_t{4}});
+  double *position = positions.mutable_data(), *rotation = rotations.mutable_data();
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    const Posed own = publication::pose_of(frame.positions[i], frame.rotations[i]);
+    const auto [p, q] = sim::given_pose(scene, moving[i], own);
+    for (const double value : {p.x, p.y, p.z}) *position++ = value;
+    for (const double value : {q.w, q.x, q.y, q.z}) *rotation++ = value;
   }
-  return array;
+  to["position"] = positions;
+  to["rotation"] = rotations;
 }
 
 py::array contacts_of(const Frame& frame) {
@@ -98,8 +96,7 @@ class LiveObject : public ZeroedByPython {
     frame["time_s"] = frame_.head.time_s;
     frame["resets"] = frame_.head.resets;
     frame["component"] = frame_.head.component;
-    frame["position"] = positions_of(frame_);
-    frame["rotation"] = rotations_of(frame_);
+    add_poses(controller_->scene(), moving_, frame_, frame);
     frame["roles"] = py::array_t<std::uint8_t>(static_cast<py::ssize_t>(frame_.roles.size()), frame_.roles.data());
     frame["contacts"] = contacts_of(frame_);
     frame["contacts_left_out"] = frame_.head.left_out;
@@ -167,7 +164,9 @@ void add_live(py::module_& module) {
           "frame", &LiveObject::frame,
           "The newest state of the bodies, or None if there is none since the last call: a dict with tick (steps of "
           "the "
-          "global world), time_s, position (n, 3) [m, world], rotation (n, 4) [w x y z, world from body, to 0.06 mrad] "
+          "global world), time_s, position (n, 3) [m, world] and rotation (n, 4) [w x y z, world from body, to 0.06 "
+          "mrad] of the "
+          "frames that the scene places, "
           "and roles (n,) of the bodies in `moving`, contacts of the proxy's component (position_m, force_N on body b, "
           "a, b), contacts_left_out, component, resets. At most 60 a second.")
       .def_property_readonly("frames_missed", &LiveObject::frames_missed, "Frames that were written and not read.")

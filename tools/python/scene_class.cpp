@@ -53,6 +53,8 @@ py::dict body(const Scene& scene, std::int64_t index) {
   body["half_extents_m"] = info.half_extents_m;
   body["fixed"] = info.fixed;
   body["mass_kg"] = info.mass_kg;
+  body["centre_of_mass_m"] = info.centre_of_mass_m;
+  body["principal_axes"] = info.principal_axes;
   body["inertia_kg_m2"] = info.inertia_kg_m2;
   body["friction"] = info.friction;
   body["position_m"] = info.position_m;

@@ -31,9 +31,9 @@ Posed ScriptedMotion::pose_at(const KinematicScript& script, double time_s) cons
   const double length = to.time_s - from.time_s;
   const double u = length > 0.0 ? std::clamp((time - from.time_s) / length, 0.0, 1.0) : 1.0;
   const double s = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
-  return {
-      from.position_m + s * (to.position_m - from.position_m),
-      quat_from_rotation_vector(from.rotation_vector_rad + s * (to.rotation_vector_rad - from.rotation_vector_rad))};
+  const Vec3d turned = from.rotation_vector_rad + s * (to.rotation_vector_rad - from.rotation_vector_rad);
+  return Posed{from.position_m + s * (to.position_m - from.position_m), quat_from_rotation_vector(turned)} *
+         script.key_from_body;
 }
 
 Posed ScriptedMotion::pose_in_step(const Follower& follower, const Twistd& steady, double elapsed) const noexcept {

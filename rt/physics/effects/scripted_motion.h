@@ -14,13 +14,14 @@ namespace tactus::physics {
 
 struct PathKey {
   double time_s{};
-  Vec3d position_m, rotation_vector_rad;  // of the body, in world axes
+  Vec3d position_m, rotation_vector_rad;  // of the frame that follows the path, in world axes
 };
 
 struct KinematicScript {
   BodyId id{kNoBody};
   std::uint32_t first_key{0}, keys{0};  // range of its way points, times ascending from 0; none: constant velocity
   bool repeat{false};                   // restarts at its end; otherwise stays there
+  Posed key_from_body{};                // of the body's frame in the one that follows the path
 };
 
 class ScriptedMotion {

@@ -327,3 +327,74 @@ TEST_CASE("changed options are reported") {
   REQUIRE(notes.size() == 1);
   CHECK_THAT(notes[0], Contains("coupling interpolation"));
 }
+
+TEST_CASE("poses are of the frames that the scene places, whatever the centre of mass") {
+  // A hammer, heavy at one end, and a wedge away from its points' origin, both falling; a paddle on a path.
+  constexpr std::string_view kText = R"(
+effects = ["gravity", "friction", "kinematic"]
+[proxy]
+shape = "sphere"
+radius_m = 0.01
+mass_kg = 0.2
+position_m = [0, 0, 1]
+[[body]]
+name = "hammer"
+shape = "compound"
+position_m = [0.3, 0.1, 0.2]
+rotation_vector_rad = [0, 0, 0.4]
+parts = [{shape = "box", size_m = [0.2, 0.02, 0.02], mass_kg = 0.1},
+         {shape = "box", size_m = [0.04, 0.1, 0.04], position_m = [0.1, 0, 0.01], mass_kg = 1}]
+[[body]]
+name = "wedge"
+shape = "hull"
+points_m = [[0.1, 0, 0], [0.2, 0, 0], [0.1, 0.1, 0], [0.1, 0, 0.05], [0.2, 0.1, 0]]
+density_kg_per_m3 = 500
+position_m = [-0.4, 0.2, 0.3]
+rotation_vector_rad = [0.1, 0.2, 0]
+[[body]]
+name = "paddle"
+shape = "compound"
+kinematic = true
+parts = [{shape = "box", size_m = [0.02, 0.02, 0.2]}, {shape = "box", size_m = [0.1, 0.02, 0.05], position_m = [0.03, 0, 0.1]}]
+[[body.path]]
+time_s = 0
+position_m = [0, 0.5, 0.3]
+[[body.path]]
+time_s = 0.2
+position_m = [0.1, 0.5, 0.3]
+rotation_vector_rad = [0, 0, 0.5]
+)";
+  Scene scene;
+  const Error error = scene.parse(kText, "frames");
+  INFO(error.message());
+  REQUIRE_FALSE(error);
+  const auto differ = [](const Vector3& a, const Vector3& b) {
+    return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
+  };
+  const auto check_pose = [&](const auto& of, const Vector3& position, const Vec3d& turned) {
+    CHECK(differ(of.position_m, position) < 1e-12);
+    const Quatd q = quat_from_rotation_vector(turned);
+    const double same = of.rotation[0] * q.w + of.rotation[1] * q.x + of.rotation[2] * q.y + of.rotation[3] * q.z;
+    CHECK(std::abs(same) > 1 - 1e-12);
+  };
+  check_pose(scene.body(1), {0.3, 0.1, 0.2}, {0, 0, 0.4});
+  CHECK(differ(scene.body(1).centre_of_mass_m, {1.0 / 11, 0, 0.1 / 11}) < 1e-12);
+  CHECK(differ(scene.parts(1)[1].position_m, {0.1, 0, 0.01}) < 1e-12);
+  const auto corners = scene.corners(2);
+  CHECK(std::ranges::any_of(corners, [&](const Vector3& at) { return differ(at, {0.2, 0.1, 0}) < 1e-12; }));
+
+  for (const char* coupling : {"direct", "sub-world"}) {
+    CAPTURE(coupling);
+    Options options;
+    options.coupling = coupling;
+    Session session = session_of(scene, options);
+    check_pose(session.bodies()[1], {0.3, 0.1, 0.2}, {0, 0, 0.4});
+    check_pose(session.bodies()[2], {-0.4, 0.2, 0.3}, {0.1, 0.2, 0});
+    check_pose(session.bodies()[3], {0, 0.5, 0.3}, {});
+    step(session, 400);  // the path ends at 0.2 s
+    check_pose(session.bodies()[3], {0.1, 0.5, 0.3}, {0, 0, 0.5});
+    const double fallen = 0.5 * 9.81 * 0.4 * 0.4;
+    CHECK(session.bodies()[1].position_m[2] == Approx(0.2 - fallen).epsilon(0.01));
+    CHECK(session.bodies()[2].velocity_m_per_s[2] == Approx(-9.81 * 0.4).epsilon(1e-6));
+  }
+}

@@ -17,10 +17,10 @@ from patience import PATIENCE_S, wait_for
 class Run:
     """A program that runs until it is stopped."""
 
-    def __init__(self, folder, *options):
+    def __init__(self, folder, *options, scene="press"):
         self.socket, self.tape = os.path.join(folder, "c.sock"), os.path.join(folder, "run.tape")
         self.process = subprocess.Popen(
-            [bench.PROGRAM, "run", bench.scene("press"), "--virtual-time", "--pace", "0.5", "--duration", "3600",
+            [bench.PROGRAM, "run", bench.scene(scene), "--virtual-time", "--pace", "0.5", "--duration", "3600",
              "--control", self.socket, "--record", self.tape, *options], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def live(self):
@@ -45,10 +45,10 @@ def first_ticks(live):
 
 
 class Watching(unittest.TestCase):
-    def start(self, *options):
+    def start(self, *options, scene="press"):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        run = Run(folder.name, *options)
+        run = Run(folder.name, *options, scene=scene)
         self.addCleanup(run.kill)
         return run, run.live()
 
@@ -92,6 +92,15 @@ class Watching(unittest.TestCase):
             frame = wait_for(live.frame)
         contacts = frame["contacts"]
         self.assertEqual(contacts.dtype.names, ("position_m", "force_N", "a", "b"))
+
+    def test_a_frames_poses_are_of_the_frames_that_the_scene_places(self):
+        _, live = self.start(scene="cups")
+        frame = wait_for(live.frame)
+        session = tactus.Session(bench.scene("cups"))
+        off = np.array([np.linalg.norm(body["centre_of_mass_m"]) for body in session.bodies])[live.moving]
+        self.assertGreater(off.max(), 5e-3)
+        session.step(max(1, int(round(frame["time_s"] / session.period_s))))
+        np.testing.assert_allclose(frame["position"], session.position[live.moving], atol=2e-3)
 
     def test_views_outlive_what_they_came_from_and_are_read_only(self):
         run, live = self.start()

@@ -32,7 +32,8 @@ enum class Shape : std::uint32_t {
   kCone = 8,      ///< `radius_m` of its base, `half_length_m` half its height; base at own z = -height / 4
 };
 
-/// Properties of a body. Body frame: origin in the centre of mass, axes along the principal axes of inertia.
+/// Properties of a body. Body frame: the frame that `position_m` and the rotation of the body's table in the scene
+/// place, in which its points, parts or triangles are given.
 struct BodyInfo {
   Shape shape{Shape::kSphere};  ///< determines the meaning of the next three fields
   double radius_m{0};           ///< m; 0 where the shape has none
@@ -40,7 +41,9 @@ struct BodyInfo {
   Vector3 half_extents_m{};     ///< m; 0 where the shape has none
   bool fixed{false};            ///< never moves
   double mass_kg{0};            ///< kg; 0 for a fixed body
-  Vector3 inertia_kg_m2{};      ///< about its own axes; 0 for a fixed body
+  Vector3 centre_of_mass_m{};   ///< body frame; of a fixed hull or compound that of the solid
+  Quaternion principal_axes{};  ///< body from principal axes of inertia
+  Vector3 inertia_kg_m2{};      ///< moments about the centre of mass, along the principal axes; 0 for a fixed body
   double friction{0};           ///< Coulomb coefficient; a pair uses the geometric mean of the two
   Vector3 position_m{};         ///< world, at the start
   Quaternion rotation{};        ///< world from body, at the start
@@ -87,7 +90,7 @@ class Scene {
   /// Display name of a body: the name in the scene's text, `proxy`, of a second hand `proxy2`, or `body 17`. Parses the
   /// text again: do not call it every tick.
   std::string body_name(BodyNumber number) const;
-  /// Corners of a hull or a mesh [m], in the body's own frame; empty for any other shape.
+  /// Corners of a hull or a mesh [m], body frame; empty for any other shape.
   std::vector<Vector3> corners(BodyNumber number) const;
   /// Parts of a compound; empty for any other shape.
   std::vector<PartInfo> parts(BodyNumber number) const;

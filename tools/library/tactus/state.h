@@ -11,9 +11,9 @@
 
 namespace tactus {
 
-/// Pose and velocity of a body.
+/// Pose and velocity of a body. Its frame is the one that the scene places (BodyInfo).
 struct BodyState {
-  Vector3 position_m{};                  ///< of the centre of mass
+  Vector3 position_m{};                  ///< of the frame's origin
   Quaternion rotation{};                 ///< world from body
   Vector3 velocity_m_per_s{};            ///< of the centre of mass
   Vector3 angular_velocity_rad_per_s{};  ///< about the world's axes

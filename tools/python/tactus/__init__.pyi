@@ -30,6 +30,8 @@ class CheckedScene:
     proxy: int                    # of the first hand
     proxies: list[int]            # by hand
     hand_duration_s: float        # of the first hand
+    # Frame: the one that position_m and rotation of the body's table place. centre_of_mass_m is in it, and principal_axes
+    # (w, x, y, z) turns the axes of inertia_kg_m2 into its own.
     def body(self, number: int) -> dict[str, Any]: ...
     def parts(self, number: int) -> list[dict[str, Any]]: ...      # of a compound, in the body's frame
     def corners(self, number: int) -> NDArray[np.float64]: ...    # (n, 3), m, body frame
