@@ -3,16 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
+#include "sim/loader/scene_load_effects.h"
 #include "sim/loader/scene_load_generators.h"
 #include "sim/loader/scene_meanings.h"
 #include "sim/model/scene_effects.h"
 
 namespace tactus::sim {
 namespace {
-
-constexpr std::array kJoints{"fixed", "ball", "hinge", "slider", "distance"};
 
 // The head of a scene that declares every effect; one variant of a table is appended at a time.
 std::string head() {
@@ -79,8 +77,8 @@ std::vector<Variant> variants() {
   add_part_variants(all);
   for (const std::string_view kind : generator_names())
     all.push_back({"[[generate]]", std::string(kind), fmt::format("{}[[generate]]\nkind = \"{}\"\n", head(), kind)});
-  for (const std::string kind : kJoints)
-    all.push_back({"[[joint]]", kind,
+  for (const std::string_view kind : kJointKinds)
+    all.push_back({"[[joint]]", std::string(kind),
                    fmt::format("{}[[joint]]\nkind = \"{}\"\nb = \"proxy\"\nbreak_force_N = 1\nbreak_torque_Nm = 1\n",
                                head(), kind)});
   all.push_back({"[hand]", "path", head() + "[hand]\npath = [{time_s = 0, position_m = [0, 0, 0]}]\n"});

@@ -5,7 +5,10 @@
 // Thread: [setup]. Mistakes go to the reader's diagnostics.
 #pragma once
 
+#include <array>
 #include <map>
+#include <string>
+#include <string_view>
 
 #include "rt/text/table_reader.h"
 #include "sim/model/scene.h"
@@ -14,6 +17,8 @@ namespace tactus::sim {
 
 inline constexpr std::size_t kMaxSceneJoints = 10'000;
 inline constexpr std::size_t kMaxPathKeys = 1'000;
+// The words for [[joint]] kind, by JointKind.
+inline constexpr std::array<std::string_view, 5> kJointKinds{"fixed", "ball", "hinge", "slider", "distance"};
 
 class EffectReader {
  public:

@@ -1,6 +1,7 @@
 // Reads the keys of [[joint]].
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "rt/text/nearest_word.h"
@@ -57,13 +58,10 @@ BodyId EffectReader::read_end(text::TableReader& table, const char* key) {
 }
 
 void EffectReader::read_joint(text::TableReader& t) {
-  static constexpr const char* kKinds[] = {"fixed", "ball", "hinge", "slider", "distance"};
-  if (!t.require("kind", "fixed, ball, hinge, slider, distance")) return;
-  const std::string kind = t.word("kind", "", {"fixed", "ball", "hinge", "slider", "distance"});
+  const std::string kind = t.required_word("kind", kJointKinds);
   if (kind.empty()) return;
   Joint joint;
-  for (std::uint32_t k = 0; k < std::size(kKinds); ++k)
-    if (kind == kKinds[k]) joint.kind = static_cast<JointKind>(k);
+  joint.kind = static_cast<JointKind>(std::ranges::find(kJointKinds, kind) - kJointKinds.begin());
 
   const std::size_t mistakes = diagnostics_.mistakes.size();
   joint.a = read_end(t, "a");

@@ -16,6 +16,7 @@
 #include "rt/thread/periodic_thread.h"
 #include "sim/global_thread.h"
 #include "tools/caught.h"
+#include "tools/session/cores.h"
 #include "tools/session/stolen_time.h"
 
 namespace tactus::session {
@@ -227,6 +228,10 @@ static Result<std::vector<RunSummary>> run_realtime(std::span<Session* const> se
                                                     const std::atomic<bool>& stop) {
   Session& first = *sessions.front();
   const RunOptions& options = first.options;
+  for (const Session* session : sessions)
+    if (const Status status = check_core("--cpu", session->options.cpu); !status.ok()) return status;
+  for (const int cpu : options.world_cpus)
+    if (const Status status = check_core("--world-cpu", cpu); !status.ok()) return status;
   HandRuns runs;
   for (std::size_t hand = 0; hand < sessions.size(); ++hand)
     runs.push_back(

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "tools/experiment/stability/stability_map.h"
+#include "tools/session/cores.h"
 #include "tools/session/find_description.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/experiment_output.h"
@@ -47,6 +48,8 @@ std::string command_of(const MapOptions& o) {
 int run_map(const MapOptions& options) {
   const auto profile = session::find_description(options.profile, options.device_file);
   if (!profile.ok()) return experiment_failed("stability-map", profile.message());
+  if (const Status status = session::check_core("--cpu", options.cpu); !status.ok())
+    return complain("tactus experiment stability-map: " + status.message(), kExitMachineCannot);
   const auto wake = lateness_of(options);
   if (!wake.ok()) return experiment_failed("stability-map", "--budget: " + wake.message());
   experiment::MapRequest request;

@@ -12,6 +12,7 @@
 #include "tools/hil/device_suite.h"
 #include "tools/hil/simulated_bench.h"
 #include "tools/hil/suite.h"
+#include "tools/session/cores.h"
 #include "tools/session/find_description.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
@@ -197,6 +198,8 @@ int run_calibration(HilCommand& c, const hal::DeviceChoice& choice, const hal::D
 int run_hil(HilCommand& c) {
   if (c.list) return list_checks(c);
   if (const Status status = check_command(c); !status.ok()) return complain(status.message(), kExitBadInput);
+  if (const Status status = session::check_core("--cpu", c.cpu); !status.ok())
+    return complain("tactus hil: " + status.message(), kExitMachineCannot);
   const auto choice = hal::choose_device(c.device);
   if (!choice.ok()) return complain("tactus hil: " + choice.message(), kExitBadInput);
   const hal::DeviceClass& device_class = *choice.value().device_class;

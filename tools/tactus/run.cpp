@@ -17,6 +17,7 @@
 #include "tools/private_folder.h"
 #include "tools/service/paced_run.h"
 #include "tools/service/run_service.h"
+#include "tools/session/cores.h"
 #include "tools/session/realtime_run.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/keyboard.h"
@@ -212,7 +213,7 @@ int keep_budget(RunCommand& command, const sim::Scene& scene) {
   const auto budget = timing::load_budget(command.budget.string());
   if (!budget.ok()) return complain("tactus run: --budget: " + budget.message(), kExitBadInput);
   const unsigned members = o.members != 0 ? o.members : scene.members;
-  const int cpu = o.cpu >= 0 ? o.cpu : timing::cores_without(-1).back();
+  const int cpu = o.cpu >= 0 ? o.cpu : session::cores_without(-1).back();
   const auto answer = timing::check_budget(budget.value(), timing::this_machine(cpu),
                                            {o.rate_Hz, members, scene.solver.sub_steps, o.priority});
   if (!answer.refusal.empty()) return complain("tactus run: --budget: " + answer.refusal, kExitMachineCannot);

@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "sim/loader/scene_load.h"
+#include "tools/session/cores.h"
 #include "tools/tactus/commands.h"
 #include "tools/tactus/help_texts.h"
 #include "tools/tactus/in_range.h"
 #include "tools/tactus/stop_signals.h"
 #include "tools/timing/budget.h"
-#include "tools/timing/load.h"
 #include "tools/tune/tune.h"
 
 namespace tactus::tools {
@@ -27,7 +27,7 @@ int keep_budget(TuneCommand& command) {
   const auto budget = timing::load_budget(command.budget);
   if (!budget.ok()) return complain("tactus tune: --budget: " + budget.message(), kExitBadInput);
   tune::TuneRequest& request = command.request;
-  const int cpu = request.run.cpu >= 0 ? request.run.cpu : timing::cores_without(-1).back();
+  const int cpu = request.run.cpu >= 0 ? request.run.cpu : session::cores_without(-1).back();
   const auto answer = timing::check_budget(budget.value(), timing::this_machine(cpu),
                                            {request.run.rate_Hz, 1, 1, request.run.priority});
   if (!answer.refusal.empty()) return complain("tactus tune: --budget: " + answer.refusal, kExitMachineCannot);

@@ -15,7 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "rt/thread/realtime_setup.h"
+#include "tools/session/cores.h"
 
 namespace tactus::timing {
 namespace {
@@ -72,20 +72,12 @@ Result<LoadKind> parse_load(const std::string& word) {
   return Status::error(fmt::format("--load: '{}' is none; accepted: none, cpu, memory, stress-ng", word));
 }
 
-std::vector<int> cores_without(int spare_cpu) {
-  std::vector<int> cpus = loop::allowed_cpus();
-  if (cpus.empty()) return {0};
-  std::erase(cpus, spare_cpu);
-  if (cpus.empty()) cpus.push_back(spare_cpu);
-  return cpus;
-}
-
 Status Load::start(LoadKind kind, int spare_cpu) {
   if (kind == LoadKind::kNone) return Status::good();
   if (kind == LoadKind::kStressNg && !installed("stress-ng"))
     return Status::error(
         "--load stress-ng: no such program here; install it (Debian: stress-ng), or use cpu or memory");
-  const std::vector<int> cpus = cores_without(spare_cpu);
+  const std::vector<int> cpus = session::cores_without(spare_cpu);
   const pid_t parent = getpid();
   const std::size_t count = kind == LoadKind::kStressNg ? 1 : cpus.size();
   // A child that receives SIGTERM or SIGINT must not run this program's handlers, not even before it has reset them.

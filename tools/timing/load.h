@@ -37,7 +37,4 @@ class Load {
   std::vector<int> children_;  // process ids
 };
 
-// The cores that this process may use, without `spare_cpu` unless it is the only one.
-std::vector<int> cores_without(int spare_cpu);
-
 }  // namespace tactus::timing

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tools/session/cores.h"
 #include "tools/timing/plot.h"
 
 namespace tactus::timing {
@@ -151,7 +152,7 @@ std::string to_text(const TimingResult& r) {
   text += fmt::format(
       "run                        {} ticks at {:g} Hz on cpu {}, {} processes of load; {} ticks of the bare timer\n",
       b.ticks, r.options.run.rate_Hz, r.options.run.cpu,
-      r.options.load == LoadKind::kNone ? 0 : cores_without(r.options.run.cpu).size(), b.bare_ticks);
+      r.options.load == LoadKind::kNone ? 0 : session::cores_without(r.options.run.cpu).size(), b.bare_ticks);
   text += fmt::format(
       "capacity                   {} members declared, {} reached ({} ticks); {} contacts, {} points, {} border "
       "contacts\n\n",

@@ -13,6 +13,7 @@
 #include "rt/thread/realtime_setup.h"
 #include "sim/loader/scene_load.h"
 #include "tools/caught.h"
+#include "tools/session/cores.h"
 #include "tools/session/find_description.h"
 #include "tools/timing/capacity_scene.h"
 #include "tools/timing/cyclictest.h"
@@ -61,7 +62,7 @@ class Watcher {
 
  private:
   void watch() {
-    stay_on(cores_without(options_.run.cpu));
+    stay_on(session::cores_without(options_.run.cpu));
     if (options_.with_viewer) result_.viewer.begin(WatchedWindows::Kind::kUnwatched, visitor_.counts());
     while (!done_.load(std::memory_order_relaxed)) {
       const bool rests = probe_.resting_until_ns() != 0;  // before look(): the records of the window are in the ring
@@ -129,7 +130,7 @@ class Watcher {
     if (!status_.ok() || seconds <= kCyclictestSpare_s) return;
     CyclictestRun run;
     run.cpu = options_.run.cpu;
-    run.main_cpu = cores_without(options_.run.cpu).front();
+    run.main_cpu = session::cores_without(options_.run.cpu).front();
     run.priority = options_.run.priority;
     run.period_us = 1e6 / options_.run.rate_Hz;
     run.seconds = seconds - kCyclictestSpare_s + (left_ns % 1'000'000'000 > 500'000'000 ? 1 : 0);
@@ -187,13 +188,6 @@ std::unique_ptr<session::Session> session_of(sim::Scene scene, const session::Ru
   return std::move(session).value();
 }
 
-Status check_core(int cpu) {
-  if (loop::may_stay_on(cpu)) return Status::good();
-  return Status::error(fmt::format(
-      "--cpu: this program cannot stay on core {}; accepted: a core that is online and in its cpuset, such as {}", cpu,
-      cores_without(-1).back()));
-}
-
 // A real device is timed without force, as nobody asked for any, and without pauses, in which it would miss commands.
 void keep_unforced(TimingOptions& o) {
   const auto choice = hal::choose_device(o.run.device);
@@ -242,8 +236,8 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
                                        const std::atomic<bool>& stop, TimingProblem& problem,
                                        const WindowWatcher& visitor) {
   TimingOptions options = given;
-  if (options.run.cpu < 0) options.run.cpu = cores_without(-1).back();
-  if (const Status status = check_core(options.run.cpu); !status.ok()) {
+  if (options.run.cpu < 0) options.run.cpu = session::cores_without(-1).back();
+  if (const Status status = session::check_core("--cpu", options.run.cpu); !status.ok()) {
     problem = {false, status.message()};
     return std::nullopt;
   }
@@ -270,7 +264,8 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
   }
   const auto session = session_of(std::move(*scene), options.run, problem);
   if (!session) return std::nullopt;
-  stay_on(cores_without(options.run.cpu));  // for this thread and those that it starts; the haptic thread pins itself
+  stay_on(session::cores_without(
+      options.run.cpu));  // for this thread and those that it starts; the haptic thread pins itself
   session::RealtimeTaps taps;
   if (options.with_viewer) {
     const auto prepared = visitor.prepare(*session);

@@ -105,12 +105,22 @@ TEST_CASE("bad usage is one line on stderr that says what is accepted, and exit 
   }
 }
 
-TEST_CASE("timing on a core that this machine lacks is one line and exit 3") {
-  const Output output = run("timing --cpu 1023 --duration 3");
-  CHECK(output.exit_code == 3);
-  CHECK(output.out.empty());
-  CHECK(lines(output.err) == 1);
-  CHECK_THAT(output.err, Contains("tactus timing: --cpu: this program cannot stay on core 1023; accepted: "));
+TEST_CASE("a core that this machine lacks is one line and exit 3, in each command that pins a thread") {
+  const std::string scene = kScenes + "press.toml";
+  for (const auto& [command, name] : std::vector<std::pair<std::string, std::string>>{
+           {"timing --cpu 1023 --duration 3", "timing"},
+           {"run " + scene + " --duration 1 --cpu 1023", "run"},
+           {"run " + scene + " --duration 1 --world-threads 1 --world-cpu 1023", "run"},
+           {"hil --device sim --cpu 1023", "hil"},
+           {"experiment stability-map --cpu 1023 --quick", "experiment stability-map"}}) {
+    CAPTURE(command);
+    const Output output = run(command);
+    CHECK(output.exit_code == 3);
+    CHECK(output.out.empty());
+    CHECK(lines(output.err) == 1);
+    CHECK_THAT(output.err, Contains("tactus " + name + ": --") &&
+                               Contains("cpu: this program cannot stay on core 1023; accepted: "));
+  }
 }
 
 TEST_CASE("with --json bad usage and input are one object with the error, and the same line and status as without") {

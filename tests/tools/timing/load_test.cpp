@@ -1,13 +1,16 @@
 // The load on the other cores: there while it is wanted, gone with it.
 #include "tools/timing/load.h"
-#include "tests/support/skip.h"
 
 #include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <string>
+
+#include "tests/support/skip.h"
+#include "tools/session/cores.h"
 
 using namespace tactus;
 using namespace tactus::timing;
@@ -34,16 +37,11 @@ TEST_CASE("loads have names, and anything else is one line that says which") {
   CHECK(parse_load("gpu").message().find("accepted: none, cpu, memory, stress-ng") != std::string::npos);
 }
 
-TEST_CASE("the cores for a load are all but the loop's, and that one where it is the only one") {
-  const std::vector<int> all = cores_without(-1);
-  CHECK(cores_without(all.back()).size() == (all.size() > 1 ? all.size() - 1 : 1));
-}
-
 TEST_CASE("a load is a process on every core but the loop's, and ends with its owner") {
   TACTUS_NEEDS(std::ifstream("/proc/self/task/" + std::to_string(getpid()) + "/children").good(),
                "this kernel does not list children (CONFIG_PROC_CHILDREN)");
-  const std::vector<int> all = cores_without(-1);
-  const std::size_t others = cores_without(all.back()).size();
+  const std::vector<int> all = session::cores_without(-1);
+  const std::size_t others = session::cores_without(all.back()).size();
   {
     Load load;
     REQUIRE(load.start(LoadKind::kCpu, all.back()).ok());

@@ -1,0 +1,18 @@
+// The cores on which this program may keep a thread. Thread: any normal one; nothing here changes an affinity.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "rt/base/result.h"
+
+namespace tactus::session {
+
+// The cores that this process may use, without `spare_cpu` unless it is the only one.
+std::vector<int> cores_without(int spare_cpu);
+
+// Checks that a thread may stay on this core: it is online and in the process' cpuset. -1, no choice, is good. An error
+// is one line that begins with the option's name.
+Status check_core(std::string_view option, int cpu);
+
+}  // namespace tactus::session
