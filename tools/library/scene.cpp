@@ -169,7 +169,9 @@ std::vector<PartInfo> Scene::parts(BodyNumber number) const {
   for (const physics::CompoundPart& part : scene.compounds[body->shape.index].parts) {
     PartInfo& info = parts.emplace_back();
     fill_shape(part.shape, info);
-    const Posed given_from_part = sim::given_from_body(scene, number) * part.body_from_part;
+    Posed given_from_part = sim::given_from_body(scene, number) * part.body_from_part;
+    if (info.shape == Shape::kCone)
+      given_from_part = given_from_part * Posed{{0, 0, -0.5 * part.shape.half_length}, {}};
     info.position_m = to_public(given_from_part.position);
     info.rotation = to_public(given_from_part.rotation);
     if (part.shape.kind == physics::ShapeKind::kHull) info.corners = corners_of(scene.hulls[part.shape.index], {});

@@ -227,47 +227,19 @@ void add_edge_contact(const BoxPair& boxes, int code, const Vec3d& n, double sep
             kEdgeType | static_cast<std::uint32_t>(code) << 6 | sides);
 }
 
-// Whether the other box is flush with this face: one of its faces is parallel to it, at the same height within 2 % of
-// the thinner half extent. The normal must not be along `n`, the unit axis of the widest separation.
-bool is_flush(const BoxPair& boxes, const AxisTest& test, int code, const Vec3d& n) noexcept {
-  constexpr double kFlushShare = 0.02;
-  constexpr double kAcross = 0.5, kParallel = 0.999;  // cosines
-  const Vec3d& normal = face_axis(boxes, code);
-  if (!(std::abs(dot(normal, n)) < kAcross)) return false;
-  const double tolerance = std::min(kFlush, kFlushShare * *std::min_element(boxes.h, boxes.h + 6));
-  if (!(std::abs(test.face[code - 1]) <= tolerance)) return false;
-  const Vec3d* other = code < kFirstFaceB ? boxes.axis_b : boxes.axis_a;
-  return std::any_of(other, other + 3, [&](const Vec3d& m) { return std::abs(dot(normal, m)) > kParallel; });
+// See Manifold::may_be_flush; the limits leave room for the motion of a carried-over contact.
+bool may_be_flush(const BoxPair& boxes, const AxisTest& test, const Vec3d& n) noexcept {
+  constexpr double kMost = 2.0 * kFlush, kAcross = 0.55;
+  for (int code = 1; code < kFirstEdge; ++code)
+    if (std::abs(test.face[code - 1]) <= kMost && std::abs(dot(face_axis(boxes, code), n)) < kAcross) return true;
+  return false;
 }
 
-// The face that the other box passes over, or 0. A contact with the edge of that face would stop a box that slides from
-// one table onto the next: the box is lower than the next table by its overlap with the first. It passes over a face
-// with which it is flush while the boxes are apart, and then until it is over it by kFlush: otherwise a box that moves
-// by less than its depth between two searches stops at an edge over which a faster one passes. `bound`: the widest
-// separation. `last`: the face or edge axis of the last step.
-int flush_face(const BoxPair& boxes, const AxisTest& test, double bound, int last) noexcept {
-  if (!(bound >= -kFlush)) return 0;
-  const Vec3d n = bound > test.face[test.widest - 1] ? direction_or(edge_axis(boxes, test.edge), boxes.axis_a[0])
-                                                     : face_axis(boxes, test.widest);
-  if (last >= 1 && last < kFirstEdge && is_flush(boxes, test, last, n)) return last;
-  for (int code = 1; code < kFirstEdge && bound > 0.0; ++code)
-    if (is_flush(boxes, test, code, n)) return code;
-  return 0;
-}
-
-// The manifold of a pair that no axis separates.
-void collide_near(const BoxPair& boxes, const AxisTest& test, Manifold& manifold, AxisCache& cache) noexcept {
+// The manifold of a pair that no axis separates, but for may_be_flush.
+void add_near(const BoxPair& boxes, const AxisTest& test, Manifold& manifold, AxisCache& cache) noexcept {
   const int cached = cache.axis;
   const double widest = test.face[test.widest - 1];
   const double bound = test.edge != 0 ? std::max(widest, test.edge_separation) : widest;
-  if (const int over = flush_face(boxes, test, bound, cached != 0 ? cached : boxes.pair.apart.axis)) {
-    cache.axis = static_cast<std::uint8_t>(over);
-    if (bound > 0.0)
-      manifold.apart.axis = cache.axis;
-    else
-      add_face_contact(boxes, over, test.face[over - 1], bound, manifold);
-    return;
-  }
   const int face = choose_face(boxes, test, cached);
   const double face_separation = test.face[face - 1];
   if (test.edge != 0) {
@@ -283,6 +255,11 @@ void collide_near(const BoxPair& boxes, const AxisTest& test, Manifold& manifold
   cache.axis = static_cast<std::uint8_t>(face);
   add_face_contact(boxes, face, face_separation, bound, manifold);
   round_edges(boxes, test, face, manifold);
+}
+
+void collide_near(const BoxPair& boxes, const AxisTest& test, Manifold& manifold, AxisCache& cache) noexcept {
+  add_near(boxes, test, manifold, cache);
+  manifold.may_be_flush = may_be_flush(boxes, test, manifold.normal);
 }
 
 // Four bodies, one a lane.

@@ -48,9 +48,12 @@ struct Manifold {
   // against each other by d [m] and the bodies rotate by t [rad] in all, the gap along that axis stays above gap - d -
   // lever_arm t; while this exceeds the margin there is no contact point. 0: unknown.
   double gap{}, lever_arm{};  // m
-  // Of two hulls that are separated: a face of either in front of which the other is by more than the margin. Of two
-  // boxes that are apart: the face that one passes over (collide_box.cpp). Axis 0: none.
+  // Of two hulls that are separated: a face of either in front of which the other is by more than the margin. Axis 0:
+  // none.
   AxisCache apart;
+  // False: no flat face of either body across the normal bounds the other body within kFlush (flush_seams.h), nor does
+  // one while the contact is carried over. Not determined, and true, but for boxes.
+  bool may_be_flush{true};
   std::array<ManifoldPoint, kMaxManifoldPoints> points;
 };
 
@@ -71,15 +74,14 @@ struct LastFeatures {
 struct ManifoldQuery {
   double margin;        // m: points up to this separation
   LastFeatures last{};  // of the last step
-  // Manifold::apart of the last step, if it had no contact. Of hulls it is tested first, because bodies that are near
+  // Manifold::apart of the last step, if it had no contact. It is tested first, because bodies that are near
   // each other mostly stay in front of the same face: it saves work and changes no point.
   AxisCache apart{};
 };
 
 // Returns the points whose separation is at most the margin; count 0 if there is none, or if a pose is not finite.
 // Within the margin a contact is always found, and the least separation is never larger than the distance; between
-// boxes and hulls it may be smaller if they are separated corner to corner. Exception: boxes that are apart, where one
-// ends within 0.1 mm of the other's face and may pass over it (collide_box.cpp).
+// boxes and hulls it may be smaller if they are separated corner to corner.
 // `hulls`: the list to which hull shapes refer; a hull with an index beyond it touches nothing.
 // A plane may be A or B. Two planes never touch; meshes are handled patch by patch in collide_mesh.h, compounds part
 // by part in collide_parts.h. Ties go to the

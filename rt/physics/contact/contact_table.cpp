@@ -78,7 +78,8 @@ ContactTable::ContactTable(const Capacities& capacities)
       beyond_(capacities.pairs > capacities.contacts ? capacities.pairs - capacities.contacts : 0),
       order_(std::max(capacities.pairs, capacities.contacts)),
       warm_starts_(capacities.contacts),
-      warm_start_order_(capacities.contacts) {
+      warm_start_order_(capacities.contacts),
+      seams_(capacities) {
   visits_.resize(kStretch);
   searches_.resize(kStretch);
   manifolds_.resize(kStretch);
@@ -250,6 +251,7 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   contact.rolls_b = touches_on_side(b, sides.part_b, walk.scene.shapes.compounds, manifold);
   contact.axis_cache = search.axis_cache;
   contact.friction = pair_friction(a, b);
+  contact.may_be_flush = manifold.may_be_flush;
   contact.normal = manifold.normal;
   contact.count = manifold.count;
   for (std::uint32_t i = 0; i < manifold.count; ++i) {
@@ -343,8 +345,11 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
   contacts_.resize(walk.written);
   references_.resize(walk.written);
   if (!beyond_.empty()) keep_deepest(report);
-  if (!scene.shapes.compounds.empty())
-    mark_redundant_points({scene.bodies, scene.fixed_bodies, scene.shapes}, settings.slop, contacts_.span());
+  for (Contact& contact : contacts_.span())
+    for (ContactPoint& point : contact.points) point.redundant = false;
+  const TouchingBodies bodies{scene.bodies, scene.fixed_bodies, scene.frames, scene.fixed_frames, scene.shapes};
+  if (!scene.shapes.compounds.empty()) mark_redundant_points(bodies, settings.slop, contacts_.span());
+  seams_.mark(bodies, contacts_.span());
 
   double smallest = 0.0;
   for (const Contact& contact : contacts_) {

@@ -19,6 +19,7 @@
 #include "rt/physics/collision/motion_bound.h"
 #include "rt/physics/contact/contact.h"
 #include "rt/physics/contact/contact_reference.h"
+#include "rt/physics/contact/flush_seams.h"
 #include "rt/physics/contact/warm_start.h"
 #include "rt/physics/executor.h"
 #include "rt/physics/shapes/shape_lists.h"
@@ -142,6 +143,7 @@ class ContactTable {
   BoundedVector<std::uint32_t> order_;                            // of contacts_ and beyond_, by depth
   BoundedVector<WarmStart> warm_starts_;                          // in order of arrival
   BoundedVector<std::uint32_t> warm_start_order_;                 // by key, then by arrival
+  FlushSeams seams_;
 };
 
 [[gnu::always_inline]] inline ContactTable::Sides ContactTable::sides_of(const Scene& scene,

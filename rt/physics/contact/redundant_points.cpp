@@ -199,8 +199,6 @@ class Planes {
 }  // namespace
 
 void mark_redundant_points(const TouchingBodies& bodies, double slop, std::span<Contact> contacts) noexcept {
-  for (Contact& contact : contacts)
-    for (ContactPoint& point : contact.points) point.redundant = false;
   for (std::size_t k = 0; k < contacts.size();) {
     const auto of_pair = contacts.subspan(k, contacts_of_first_pair(contacts.subspan(k)).size());
     if (of_pair.size() > 1) {

@@ -17,6 +17,7 @@
 #include <span>
 
 #include "rt/physics/body.h"
+#include "rt/physics/body_frame.h"
 #include "rt/physics/contact/contact.h"
 #include "rt/physics/shapes/shape_lists.h"
 
@@ -27,10 +28,11 @@ inline constexpr std::uint32_t kMaxContactPlanes = 6;
 // By slot.
 struct TouchingBodies {
   std::span<const Body> moving, fixed;
+  std::span<const BodyFrame> frames, fixed_frames;
   const ShapeLists& shapes;
 };
 
-// `contacts`: of one step, sorted by key. Sets `redundant` of all their points. `slop` [m].
+// `contacts`: of one step, sorted by key, no point redundant. `slop` [m].
 void mark_redundant_points(const TouchingBodies& bodies, double slop, std::span<Contact> contacts) noexcept;
 
 }  // namespace tactus::physics

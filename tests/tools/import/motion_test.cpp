@@ -35,8 +35,8 @@ Path path_in_mujoco(const std::string& name, double seconds) {
   return path;
 }
 
-// The bodies of the scene after the proxy: what moves, in the model's order, then what is fixed. A tick is 1 / rate_Hz,
-// of four sub-steps.
+// The centres of mass of the bodies of the scene after the proxy: what moves, in the model's order, then what is fixed.
+// A tick is 1 / rate_Hz, of four sub-steps.
 Path path_here(const std::string& name, double seconds, int rate_Hz = 1000) {
   const Scratch scratch;
   auto options = options_for(kModels / name);
@@ -52,8 +52,11 @@ Path path_here(const std::string& name, double seconds, int rate_Hz = 1000) {
   for (int frame = 0; frame <= static_cast<int>(seconds * 100 + 0.5); ++frame) {
     std::vector<Vec3d> row;
     for (std::size_t i = 1; i < session.bodies().size(); ++i) {
-      const auto& p = session.bodies()[i].position_m;
-      row.push_back({p[0], p[1], p[2]});
+      const BodyState& body = session.bodies()[i];
+      const Vector3 centre = session.scene().body(static_cast<BodyNumber>(i)).centre_of_mass_m;
+      const auto [w, x, y, z] = body.rotation;
+      const auto& p = body.position_m;
+      row.push_back(Vec3d{p[0], p[1], p[2]} + rotate(Quatd{w, x, y, z}, Vec3d{centre[0], centre[1], centre[2]}));
     }
     path.push_back(std::move(row));
     REQUIRE_FALSE(session.step(static_cast<std::uint64_t>(rate_Hz / 100)));

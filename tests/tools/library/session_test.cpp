@@ -343,7 +343,8 @@ shape = "compound"
 position_m = [0.3, 0.1, 0.2]
 rotation_vector_rad = [0, 0, 0.4]
 parts = [{shape = "box", size_m = [0.2, 0.02, 0.02], mass_kg = 0.1},
-         {shape = "box", size_m = [0.04, 0.1, 0.04], position_m = [0.1, 0, 0.01], mass_kg = 1}]
+         {shape = "box", size_m = [0.04, 0.1, 0.04], position_m = [0.1, 0, 0.01], mass_kg = 1},
+         {shape = "cone", radius_m = 0.01, length_m = 0.02, position_m = [-0.1, 0, 0], mass_kg = 1e-6}]
 [[body]]
 name = "wedge"
 shape = "hull"
@@ -378,8 +379,9 @@ rotation_vector_rad = [0, 0, 0.5]
     CHECK(std::abs(same) > 1 - 1e-12);
   };
   check_pose(scene.body(1), {0.3, 0.1, 0.2}, {0, 0, 0.4});
-  CHECK(differ(scene.body(1).centre_of_mass_m, {1.0 / 11, 0, 0.1 / 11}) < 1e-12);
+  CHECK(differ(scene.body(1).centre_of_mass_m, {1.0 / 11, 0, 0.1 / 11}) < 1e-6);
   CHECK(differ(scene.parts(1)[1].position_m, {0.1, 0, 0.01}) < 1e-12);
+  CHECK(differ(scene.parts(1)[2].position_m, {-0.1, 0, 0}) < 1e-12);  // of a cone the middle of its base
   const auto corners = scene.corners(2);
   CHECK(std::ranges::any_of(corners, [&](const Vector3& at) { return differ(at, {0.2, 0.1, 0}) < 1e-12; }));
 

@@ -29,7 +29,7 @@ enum class Shape : std::uint32_t {
   kMesh = 5,      ///< triangle mesh of Scene::corners and Scene::triangles; `half_extents_m` of its bounding box
   kCompound = 6,  ///< several shapes, Scene::parts; `half_extents_m` of its bounding box
   kCylinder = 7,  ///< `radius_m`, and `half_length_m` from the centre to its ends, along its own z
-  kCone = 8,      ///< `radius_m` of its base, `half_length_m` half its height; base at own z = -height / 4
+  kCone = 8,      ///< `radius_m` of its base, `half_length_m` half its height; base at own z = 0
 };
 
 /// Properties of a body. Body frame: the frame that `position_m` and the rotation of the body's table in the scene

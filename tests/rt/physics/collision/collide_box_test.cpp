@@ -252,24 +252,6 @@ TEST_CASE("The cached face stays the reference until another is better by more t
   REQUIRE(overlap_z(1.3 * preference, 3) == 1);
 }
 
-TEST_CASE(
-    "A box that slides from one box onto the next keeps the flush face, however far it moves between two searches") {
-  for (const double depth : {0.0, 2e-5, 3.3e-5, 9e-5})
-    for (const double step : {3e-6, 2e-5, 7e-5, 1.6e-4}) {
-      CAPTURE(depth, step);
-      AxisCache cache;
-      int touches = 0;
-      for (double x = -3e-4; x < 2e-3; x += step) {  // by which the upper box is over the next box
-        const auto m = collide({kCube, {}}, {kCube, {{-0.2 + x, 0.05, 0.2 - depth}, {}}}, {.margin = 1e-3}, cache);
-        if (x < -1e-5) REQUIRE(m.count == 0);
-        if (x > 1e-5) REQUIRE(m.count >= 2);
-        if (m.count > 0) REQUIRE(m.normal == Vec3d{0, 0, 1});
-        touches += m.count > 0;
-      }
-      REQUIRE(touches > 5);
-    }
-}
-
 TEST_CASE("A box that runs into the side of another is stopped, although it is a little above its foot") {
   for (const double above : {2e-4, 1e-2, 0.1}) {  // by which the two overlap in height
     CAPTURE(above);
@@ -280,27 +262,6 @@ TEST_CASE("A box that runs into the side of another is stopped, although it is a
       REQUIRE(m.normal == Vec3d{-1, 0, 0});
     }
   }
-}
-
-TEST_CASE("A box slides from one table onto the next with each length of the step") {
-  struct Way {
-    double speed, lip;  // m/s; m by which the next table is higher
-  };
-  for (const Way way : {Way{0.02, 0.0}, Way{0.03, 1e-5}, Way{0.1, 0.0}, Way{0.1, 3e-5}})
-    for (const double dt : {1e-3, 4e-3, 8e-3}) {
-      CAPTURE(way.speed, way.lip, dt);
-      test::PhysicsBench bench;
-      bench.settings.dt = dt;
-      bench.world.insert(make_fixed_body(0, kCube, 0, {{-0.1, 0, -0.1}, {}}));
-      bench.world.insert(make_fixed_body(1, kCube, 0, {{0.1, 0, -0.1 + way.lip}, {}}));
-      bench.add_box(2, {0.03, 0.03, 0.02}, 0.2, 0, {{-0.06, 0, 0.02}, {}},
-                    {.linear = {way.speed, 0, 0}, .angular = {}});
-      bench.run_seconds(0.12 / way.speed);
-      // It has risen by the lip: v^2 = v0^2 - 2 g lip.
-      const double speed = std::sqrt(way.speed * way.speed - 2 * test::kGravity * way.lip);
-      CHECK(bench.velocity(2).linear.x == Approx(speed).epsilon(0.07));  // part of a low lip is within the slop
-      CHECK(bench.position(2).x > 0.03);
-    }
 }
 
 TEST_CASE("Whatever the cache says, touching boxes are found and nothing is overstated") {
