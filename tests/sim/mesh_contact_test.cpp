@@ -406,3 +406,43 @@ TEST_CASE("a step on a mesh allocates nothing and takes no lock") {
   CHECK(guard.allocations() == 0);
   CHECK(guard.locks() == 0);
 }
+
+TEST_CASE("What slides over ground of several flat meshes, or from a box onto one, keeps its speed") {
+  const bool with_boxes = GENERATE(false, true);
+  const Shape shape = GENERATE(Shape::box({0.02, 0.02, 0.02}), Shape::cylinder(0.02, 0.02));
+  const double speed = GENERATE(0.2, 1.0, 3.0);
+  CAPTURE(with_boxes, static_cast<int>(shape.kind), speed);
+  constexpr double kTile = 0.2;  // m
+  std::vector<BuiltMesh> tiles;
+  std::vector<physics::Mesh> meshes;
+  BodyId patch = physics::kFirstPatchId;
+  for (unsigned i = 0; i < 5; ++i) {
+    auto made = build_mesh(weld(flat_grid(2, kTile / 2, i)), patch);
+    REQUIRE(made.ok());
+    tiles.push_back(std::move(made).value());
+    meshes.push_back(tiles.back().mesh);
+    patch += static_cast<BodyId>(meshes.back().patches.size());
+  }
+  physics::World world(MeshBench::capacities(), {{}, meshes, {}});
+  for (std::uint32_t i = 0; i < meshes.size(); ++i) {
+    const Posed at{{kTile * i, 0, 0}, {}};
+    world.insert(
+        with_boxes && i % 2 == 1
+            ? physics::make_fixed_body(i, Shape::box({kTile / 2, kTile / 2, 0.01}), 0, at * Posed{{0, 0, -0.01}, {}})
+            : physics::make_fixed_body(i, Shape::mesh(meshes[i].half_extents, i), 0, at * tiles[i].given_from_body));
+  }
+  physics::Body body = physics::make_dynamic_body(20, shape, 0.1, 0, {{0, 0.003, 0.02}, {}});
+  body.motion.velocity.linear = {speed, 0, 0};
+  world.insert(body);
+  physics::StepSettings settings;
+  settings.gravity = {0, 0, -kGravity};
+  for (int i = 0; i < static_cast<int>(700 / speed); ++i) {
+    world.begin_step(settings);
+    find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
+    (void)world.finish_step(settings);
+  }
+  const physics::BodyMotion& motion = world.find(20)->motion;
+  CHECK(motion.velocity.linear.x == Approx(speed).epsilon(0.005));
+  CHECK(motion.pose.position.x == Approx(0.7).epsilon(0.005));
+  CHECK(std::abs(motion.velocity.linear.z) < 0.01);
+}

@@ -83,13 +83,11 @@ void BorderSolver::solve_normal(Row& row, SolverBody<double>& body, const SymMat
     bias = gap * rule.inverse_h;
   } else if (biased && may_supply_) {  // otherwise rigid: no overlap is corrected, no impulse relaxed
     soft = row.softness;
-    leak = soft.impulse_scale * row.normal_impulse;
-    bias = soft.mass_scale * soft.bias_rate * std::min(0.0, gap + rule.slop);
-    if (bias < -row.max_push_speed) {  // as in contact_row.h
-      const double excess = -row.max_push_speed - bias;
-      leak = std::max(leak * -row.max_push_speed / bias, leak - row.normal_mass * excess);
-      bias = -row.max_push_speed;
-    }
+    const Correction<double> correction = limited<double>(
+        {soft.mass_scale * soft.bias_rate * std::min(0.0, gap + rule.slop), soft.impulse_scale * row.normal_impulse},
+        row.normal_mass, -row.max_push_speed);
+    bias = correction.push;
+    leak = correction.leak;
   }
   const double u = dot(row.n, slip(row, body));
   const double wanted = row.normal_impulse - row.normal_mass * (soft.mass_scale * u + bias) - leak;

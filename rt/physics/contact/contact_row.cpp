@@ -81,11 +81,8 @@ TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v, co
     const V close = mass * (s * inverse_h);  // separated: may close the gap, no more
     V keep;
     if constexpr (kBias) {
-      V push = bias_rate * smaller(zero, s + slop), leak = impulse_scale * last;
-      if (const auto deep = push < most_push; any(deep)) {
-        leak = select(deep, larger(leak * (most_push / push), leak + mass * (push - most_push)), leak);
-        push = larger(push, most_push);
-      }
+      const auto [push, leak] =
+          limited<V>({bias_rate * smaller(zero, s + slop), impulse_scale * last}, mass, most_push);
       keep = last - select(apart, close, mass * push + leak);
       mass = select(apart, mass, mass * mass_scale);
     } else {

@@ -19,10 +19,7 @@
 // A ball: a rotation about its centre does not change the gap, which is the gap of the centre (`round` behind the
 // point along the normal) less the radius. With points that rotate with the body the gap would grow by r (1 - cos
 // t): a ball of 30 mm at 5 m/s sank by 0.1 mm in steps of 1 ms and by 7 mm in steps of 8 ms (2026-11-27).
-// An overlap is corrected at max_push_speed at most: if the bias b is greater, it is limited to that speed, b', and the
-// leak impulse_scale lambda to the larger of (b' / b) impulse_scale lambda and impulse_scale lambda - m (b - b'). So a
-// load still sinks to F / (m w^2), an excess impulse decays as fast as without the limit, and only what opens the
-// contact is slow. With the bias alone limited the force ended at m a2 max_push_speed / h: 1000 : 1 sank in.
+// An overlap is corrected at max_push_speed at most (softness.h).
 // Points are projected onto the plane: this is exact for the normal rows; friction acts off its point by at most the
 // points' deviation from the plane. Gaps within the step follow from the bodies' motion since its start: no narrow
 // phase between sub-steps. Bodies move before the relax sweep, so that sweep updates the gaps, and the biased sweep

@@ -39,6 +39,13 @@ bool is_strip(const Contact& contact) noexcept {
   return true;
 }
 
+// m; a mesh is a surface, and has no thickness.
+double flush_within(const Shape& slider, const Shape& tile) noexcept {
+  const double thinner =
+      tile.kind == ShapeKind::kMesh ? half_thickness(slider) : std::min(half_thickness(slider), half_thickness(tile));
+  return std::min(kFlush, kFlushShare * thinner);
+}
+
 Vec3d in_axes(const Axes& axes, const Vec3d& v) noexcept { return {dot(axes.x, v), dot(axes.y, v), dot(axes.z, v)}; }
 
 }  // namespace
@@ -92,16 +99,19 @@ void FlushSeams::for_each_flush_face(const TouchingBodies& bodies, const Contact
     return tile.point(b_over_a ? contact.points[i].from_a : contact.points[i].from_b);
   };
   const FacesWanted wanted{.p = point(0), .reach = kNear, .n = tile.direction(contact.normal), .most = kAcross};
-  for_each_face(tile.shape(), bodies.shapes.hulls, wanted, [&](const FlatFace& face) noexcept {
+  const auto try_face = [&](const FlatFace& face) noexcept {
     for (std::uint32_t i = 1; i < contact.count; ++i)
       if (!(std::abs(dot(face.normal, point(i)) - face.offset) <= kNear)) return;
-    const double flush =
-        std::min(kFlush, kFlushShare * std::min(half_thickness(slider.shape()), half_thickness(tile.shape())));
+    const double flush = flush_within(slider.shape(), tile.shape());
     const Vec3d m = tile.to_world(face.normal);
     const double lowest = dot(m, slider.centre() - tile.centre()) -
                           extent_along(slider.shape(), bodies.shapes.hulls, slider.direction(-m));
     if (std::abs(lowest - face.offset) <= flush) f(m, flush);
-  });
+  };
+  if (tile.shape().kind != ShapeKind::kMesh) return for_each_face(tile.shape(), bodies.shapes.hulls, wanted, try_face);
+  const MeshPatch& patch = bodies.shapes.meshes[tile.shape().index].patch_of(contact.key);
+  const FlatFace face{patch.normal, patch.offset};
+  if (wanted.holds(face)) try_face(face);
 }
 
 void FlushSeams::list_contacts_of(std::size_t bodies, std::span<const Contact> contacts) noexcept {

@@ -2,16 +2,16 @@
 //
 // A body that slides from one body onto the next at the same height is lower than the next one's face, by its overlap
 // with the first. Its shallowest overlap there is with the next one's side, and a contact with that side would stop it.
-// A contact of S, which moves, and T with the normal n lies on a seam if
-//  - T has a flat face with the normal m across n, |m . n| < 0.5, 60 degrees, that bounds S from below within t:
-//    |min over S of m . x - d| <= t, with d the offset of that face. So a motion of t along m takes S past T.
-//  - all points of the contact are within 2 kFlush of that face's plane: they are near its edge;
-//  - a third body supports S: S has a contact with it, of an overlap or gap of at most t, with a normal u towards S
-//  that
-//    is parallel to the face's, m . u > 0.999.
-// t is kFlush, or 1 % of the thinner of S and T if that is less. So what leans against an edge, or stands before a
-// kerb, keeps its contact: it reaches below T's face. Flat faces are those of boxes, hulls and parts of compounds, the
-// ends of cylinders and the base of a cone. Within one compound or mesh see redundant_points.h and mesh_region.h.
+// A contact of S, which moves, and T with the normal n lies on a seam if three things hold.
+// 1. T has a flat face with the normal m across n, |m . n| < 0.5, that bounds S from below within t: with d the offset
+// of the face, |min over S of m . x - d| <= t. So a motion of t along m takes S past T.
+// 2. All points of the contact are within 2 kFlush of that face's plane: they are near its edge.
+// 3. A third body supports S: it has a contact with S, of an overlap or gap of at most t, whose normal u towards S is
+// parallel to the face's, m . u > 0.999.
+// t is kFlush, or 1 % of the thinner of S and T if that is less. What leans against an edge, or stands before a kerb,
+// keeps its contact, since it reaches below T's face. Flat faces are those of boxes, hulls and parts of compounds, the
+// ends of cylinders, the base of a cone and the patches of meshes. Within one compound or mesh see redundant_points.h
+// and mesh_region.h.
 // Frame: world. Units: SI. Thread: construction [setup]; mark() [rt]. Bound: linear in the contacts, times the faces of
 // T and the vertices of S; for those that lie on a seam also in the contacts of S.
 #pragma once

@@ -76,6 +76,7 @@ struct Mesh {
   bool is_inner_edge(const MeshTriangle& t, std::uint32_t k) const noexcept {  // between triangles of one patch
     return t.neighbour[k] != kNoTriangle && triangles[t.neighbour[k]].patch == t.patch;
   }
+  const MeshPatch& patch_of(PairKey key) const noexcept { return patches[key.high() - first_patch_id]; }
   // True if its neighbours are of the same patch, and none of its corners is on a convex or boundary edge.
   bool is_inside_patch(const MeshTriangle& t) const noexcept {
     return !t.exposed && is_inner_edge(t, 0) && is_inner_edge(t, 1) && is_inner_edge(t, 2);
