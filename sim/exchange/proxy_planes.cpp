@@ -32,7 +32,8 @@ void fill_proxy_planes(const physics::World& world, BodyId proxy, double step_s,
     const bool is_b = !contact.b_fixed && world.bodies()[contact.slot_b].id == proxy;
     if (!is_a && !is_b) continue;
     for (std::uint32_t i = 0; i < contact.count; ++i)
-      (void)planes.try_push(plane_of(world, contact, contact.points[i], is_a, step_s));
+      if (!contact.points[i].redundant)
+        (void)planes.try_push(plane_of(world, contact, contact.points[i], is_a, step_s));
   }
   if (planes.size() <= most) return;
   std::sort(planes.begin(), planes.end(), [](const BorderPoint& a, const BorderPoint& b) {

@@ -27,7 +27,7 @@ struct Contact {
   std::uint32_t slot_a{0}, slot_b{0};   // of the world's bodies; of a fixed body: among the fixed bodies
   bool b_fixed{false};                  // true: B is a fixed body. A fixed body is always B.
   bool rolls_a{false}, rolls_b{false};  // true: touched on a surface of revolution (contact_row.h); never carried over
-  bool may_be_flush{true};              // as in Manifold
+  bool may_be_flush{true};              // as in Manifold, and as FlushSeams::mark leaves it
   AxisCache axis_cache;
   // m: distance of the points from the centre of a ball, along the normal (contact_row.h); 0: neither. Never
   // carried over.

@@ -349,7 +349,7 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
     for (ContactPoint& point : contact.points) point.redundant = false;
   const TouchingBodies bodies{scene.bodies, scene.fixed_bodies, scene.frames, scene.fixed_frames, scene.shapes};
   if (!scene.shapes.compounds.empty()) mark_redundant_points(bodies, settings.slop, contacts_.span());
-  seams_.mark(bodies, contacts_.span());
+  seams_.mark(bodies, carry_over_margin(settings), contacts_.span());
 
   double smallest = 0.0;
   for (const Contact& contact : contacts_) {

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kFlushShare = 0.02;                // of the thinner half
 constexpr double kAcross = 0.5, kParallel = 0.999;  // cosines
+constexpr double kRotation = 0.05;                  // most change of a cosine while a contact is carried over
 // m: a contact is along the axis of the least overlap, but for a preference; so on a seam it is no deeper. And so no
 // contact that is left out lets a body in farther than this.
 constexpr double kDeepest = 1.1 * kFlush + 1e-5;
@@ -25,10 +26,10 @@ double deepest_of(const Contact& contact) noexcept {
 
 // Whether all points are in a strip of the width that points near one edge have. Most contacts are not, and their first
 // three points say so.
-bool is_strip(const Contact& contact) noexcept {
+bool is_strip(const Contact& contact, double width) noexcept {
   const auto from_first = [&](std::uint32_t i) noexcept { return contact.points[i].from_a - contact.points[0].from_a; };
-  const auto is_narrow = [](const Vec3d& along, const Vec3d& to) noexcept {
-    return norm_squared(cross(along, to)) <= 4.0 * kNear * kNear * std::max(norm_squared(along), norm_squared(to));
+  const auto is_narrow = [width](const Vec3d& along, const Vec3d& to) noexcept {
+    return norm_squared(cross(along, to)) <= width * width * std::max(norm_squared(along), norm_squared(to));
   };
   if (contact.count < 3) return true;
   const Vec3d first = from_first(1), second = from_first(2);
@@ -90,23 +91,27 @@ FlushSeams::Side FlushSeams::side_of(const TouchingBodies& bodies, const Contact
   return {body, fixed ? bodies.fixed_frames[slot] : bodies.frames[slot], part};
 }
 
-// Calls `f` with the normal, in the world, of each face of the tile that bounds the slider from below.
+// Calls `f` with the normal, in the world, of each face of the tile that bounds the slider from below, within t and
+// `slack` [m].
 template <class F>
-void FlushSeams::for_each_flush_face(const TouchingBodies& bodies, const Contact& contact, bool b_over_a,
+void FlushSeams::for_each_flush_face(const TouchingBodies& bodies, const Contact& contact, bool b_over_a, double slack,
                                      F&& f) noexcept {
   const Side slider = side_of(bodies, contact, b_over_a), tile = side_of(bodies, contact, !b_over_a);
   const auto point = [&](std::uint32_t i) noexcept {
     return tile.point(b_over_a ? contact.points[i].from_a : contact.points[i].from_b);
   };
-  const FacesWanted wanted{.p = point(0), .reach = kNear, .n = tile.direction(contact.normal), .most = kAcross};
+  const FacesWanted wanted{.p = point(0),
+                           .reach = kNear + slack,
+                           .n = tile.direction(contact.normal),
+                           .most = slack > 0.0 ? kAcross + kRotation : kAcross};
   const auto try_face = [&](const FlatFace& face) noexcept {
     for (std::uint32_t i = 1; i < contact.count; ++i)
-      if (!(std::abs(dot(face.normal, point(i)) - face.offset) <= kNear)) return;
+      if (!(std::abs(dot(face.normal, point(i)) - face.offset) <= wanted.reach)) return;
     const double flush = flush_within(slider.shape(), tile.shape());
     const Vec3d m = tile.to_world(face.normal);
     const double lowest = dot(m, slider.centre() - tile.centre()) -
                           extent_along(slider.shape(), bodies.shapes.hulls, slider.direction(-m));
-    if (std::abs(lowest - face.offset) <= flush) f(m, flush);
+    if (std::abs(lowest - face.offset) <= flush + slack) f(m, flush);
   };
   if (tile.shape().kind != ShapeKind::kMesh) return for_each_face(tile.shape(), bodies.shapes.hulls, wanted, try_face);
   const MeshPatch& patch = bodies.shapes.meshes[tile.shape().index].patch_of(contact.key);
@@ -134,9 +139,10 @@ void FlushSeams::list_contacts_of(std::size_t bodies, std::span<const Contact> c
 bool FlushSeams::passes_over(const TouchingBodies& bodies, std::span<const Contact> contacts, std::uint32_t number,
                              bool b_over_a) const noexcept {
   const Contact& contact = contacts[number];
+  if (deepest_of(contact) < -kDeepest) return false;
   const std::uint32_t slot = b_over_a ? contact.slot_b : contact.slot_a;
   bool passes = false;
-  for_each_flush_face(bodies, contact, b_over_a, [&](const Vec3d& m, double flush) noexcept {
+  for_each_flush_face(bodies, contact, b_over_a, 0.0, [&](const Vec3d& m, double flush) noexcept {
     for (std::uint32_t k = first_[slot]; k < first_[slot + 1] && !passes; ++k) {
       const Contact& other = contacts[listed_[k]];
       const Vec3d up = other.slot_a == slot ? -other.normal : other.normal;
@@ -147,18 +153,23 @@ bool FlushSeams::passes_over(const TouchingBodies& bodies, std::span<const Conta
   return passes;
 }
 
-void FlushSeams::mark(const TouchingBodies& bodies, std::span<Contact> contacts) noexcept {
+void FlushSeams::mark(const TouchingBodies& bodies, double carried, std::span<Contact> contacts) noexcept {
   marks_.resize(static_cast<std::uint32_t>(contacts.size()));
   bool any = false;
   for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-    const Contact& contact = contacts[i];
+    Contact& contact = contacts[i];
     marks_[i] = 0;
-    if (!contact.may_be_flush || deepest_of(contact) < -kDeepest || !is_strip(contact) || contact.is_redundant())
-      continue;
-    for_each_flush_face(bodies, contact, false, [&](const Vec3d&, double) noexcept { marks_[i] |= kAOverB; });
-    if (!contact.b_fixed)
-      for_each_flush_face(bodies, contact, true, [&](const Vec3d&, double) noexcept { marks_[i] |= kBOverA; });
-    any = any || marks_[i] != 0;
+    if (!contact.may_be_flush || contact.is_redundant()) continue;
+    const auto find = [&](bool b_over_a, Mark mark) noexcept {
+      for_each_flush_face(bodies, contact, b_over_a, carried,
+                          [&](const Vec3d&, double) noexcept { marks_[i] |= mark; });
+    };
+    if (deepest_of(contact) >= -kDeepest - carried && is_strip(contact, 2.0 * (kNear + carried))) {
+      find(false, kAOverB);
+      if (!contact.b_fixed) find(true, kBOverA);
+    }
+    contact.may_be_flush = marks_[i] != 0;
+    any = any || contact.may_be_flush;
   }
   if (!any) return;
   list_contacts_of(bodies.moving.size(), contacts);

@@ -30,8 +30,10 @@ class FlushSeams {
  public:
   explicit FlushSeams(const Capacities& capacities);
 
-  // Sets `redundant` of all points of the contacts on seams, and clears their impulses.
-  void mark(const TouchingBodies& bodies, std::span<Contact> contacts) noexcept;
+  // Sets `redundant` of all points of the contacts on seams, and clears their impulses. Where a contact cannot come to
+  // lie on one while it is carried over, by bodies that move against each other by `carried` [m], clears may_be_flush,
+  // and looks at it again when it was searched again.
+  void mark(const TouchingBodies& bodies, double carried, std::span<Contact> contacts) noexcept;
 
  private:
   struct Side;
@@ -39,7 +41,8 @@ class FlushSeams {
 
   static Side side_of(const TouchingBodies& bodies, const Contact& contact, bool b) noexcept;
   template <class F>
-  static void for_each_flush_face(const TouchingBodies& bodies, const Contact& contact, bool b_over_a, F&& f) noexcept;
+  static void for_each_flush_face(const TouchingBodies& bodies, const Contact& contact, bool b_over_a, double slack,
+                                  F&& f) noexcept;
   void list_contacts_of(std::size_t bodies, std::span<const Contact> contacts) noexcept;
   bool passes_over(const TouchingBodies& bodies, std::span<const Contact> contacts, std::uint32_t contact,
                    bool b_over_a) const noexcept;

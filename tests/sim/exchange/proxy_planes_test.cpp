@@ -71,3 +71,30 @@ TEST_CASE("Of more planes than asked for, those that press most stay, and what t
   sim::fill_proxy_planes(bench.world, 77, kStep_s, 16, all);
   CHECK(all.empty());
 }
+
+TEST_CASE("At the seam of two flush tiles the proxy has the planes of their faces, none of a side") {
+  World world({.bodies = 4, .fixed_bodies = 2, .pairs = 32, .contacts = 32});
+  StepSettings settings;
+  settings.dt = kStep_s;
+  settings.sub_steps = 8;
+  settings.gravity = {0, 0, -9.81};
+  for (BodyId i = 0; i < 2; ++i)
+    REQUIRE(world.insert(make_fixed_body(50 + i, Shape::box({0.1, 0.1, 0.1}), 0, {{0.2 * i, 0, -0.1}, {}})));
+  Body body = make_dynamic_body(kProxy, Shape::box({0.03, 0.03, 0.03}), 1.0, 0, {{0.02, 0, 0.03}, {}});
+  body.motion.velocity.linear.x = 0.1;
+  REQUIRE(world.insert(body));
+  world.index_fixed_bodies();
+  int at_seam = 0;
+  for (int i = 0; i < 120; ++i) {
+    world.begin_step(settings);
+    (void)find_pairs_brute_force(world.bounds(), world.dynamic_pairs());
+    (void)world.finish_step(settings, {});
+    Planes planes;
+    sim::fill_proxy_planes(world, kProxy, kStep_s, 16, planes);
+    REQUIRE(planes.size() >= 4);
+    for (const auto& plane : planes) REQUIRE(norm(plane.normal - Vec3d{0, 0, 1}) < 1e-3);
+    for (const Contact& contact : world.contacts()) at_seam += contact.is_redundant() ? 1 : 0;
+  }
+  CHECK(at_seam > 0);
+  CHECK(world.find(kProxy)->motion.pose.position.x == Approx(0.02 + 0.1 * 120 * kStep_s).epsilon(0.01));
+}

@@ -64,10 +64,10 @@ struct Tick {
   Vector3 force_N{};                           ///< commanded, on the hand, device frame
   Vector3 torque_Nm{};                         ///< same, about the tool's origin, device frame
   Vector3 proxy_position_m{};                  ///< centre of mass of the proxy, world
-  Quaternion proxy_rotation{};                 ///< world from proxy
+  Quaternion proxy_rotation{};                 ///< world from its principal axes (BodyInfo)
   Vector3 proxy_velocity_m_per_s{};            ///< world
   Vector3 proxy_angular_velocity_rad_per_s{};  ///< world
-  Vector3 target_position_m{};                 ///< pose that the device commands for the proxy, world
+  Vector3 target_position_m{};                 ///< pose that the device commands for the centre of mass, world
   Quaternion target_rotation{};                ///< same, world from target
   Vector3 tool_position_m{};                   ///< last measured, device frame
   Quaternion tool_rotation{};                  ///< same, device from tool

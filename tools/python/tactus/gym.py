@@ -27,8 +27,9 @@ class TouchEnv(gymnasium.Env):
     as a hand does. Each step is `ticks` ticks.
 
     observation, float64, SI, world frame unless said otherwise, poses as x y z w x y z: target (7,), where the hand wants
-    the tool; tool (7,), where the device has it; proxy (7,) and proxy_velocity (6,); force (6,), on the hand, N and N m,
-    device frame, the mean of the step's ticks; bodies (len(watch), 7), those of `watch`, by name or number.
+    the tool; tool (7,), where the device has it; proxy (7,) and proxy_velocity (6,), of its centre of mass and principal
+    axes, which the device holds; force (6,), on the hand, N and N m, device frame, the mean of the step's ticks; bodies
+    (len(watch), 7), those of `watch`, by name or number, of the frames that the scene places.
 
     reward: a function reward(observation, action, info) that returns the reward and whether the episode has reached its
     end; None: 0 and never. vary: a function vary(random) that returns the scene of the next episode, with the seeded
