@@ -173,8 +173,8 @@ def goals(done):
 
 TABLES = {
     "peers": Table(f"`tactus {PEERS.format(scenes='SCENE', runs=2)}`, scene by scene; rows but `pile64`, `pile1000` and these stirred with "
-                   "`--runs 1` and the `--peers` that tools/result_tables/engines.py names", "50 min", peer_parts, peers),
+                   "`--runs 1` and the `--peers` that tools/result_tables/engines.py names", "25 min", peer_parts, peers),
     "larger-heaps": Table(f"`tactus {PEERS.format(scenes='SCENE', runs=2)} --peers tactus,bullet`, scene by scene; `pile10000` with `--runs 1`",
-                          "10 min", larger_parts, larger),
-    "goals": Table("; ".join(f"`tactus {command}`" for command, _ in GOALS.values()), "15 min, of it 20 s in real time", goal_parts, goals),
+                          "5 min", larger_parts, larger),
+    "goals": Table("; ".join(f"`tactus {command}`" for command, _ in GOALS.values()), "10 min, of it 20 s in real time", goal_parts, goals),
 }

@@ -96,7 +96,9 @@ FlushSeams::Side FlushSeams::side_of(const TouchingBodies& bodies, const Contact
 template <class F>
 void FlushSeams::for_each_flush_face(const TouchingBodies& bodies, const Contact& contact, bool b_over_a, double slack,
                                      F&& f) noexcept {
-  const Side slider = side_of(bodies, contact, b_over_a), tile = side_of(bodies, contact, !b_over_a);
+  const Side tile = side_of(bodies, contact, !b_over_a);
+  if (!has_flat_faces(tile.shape().kind)) return;
+  const Side slider = side_of(bodies, contact, b_over_a);
   const auto point = [&](std::uint32_t i) noexcept {
     return tile.point(b_over_a ? contact.points[i].from_a : contact.points[i].from_b);
   };

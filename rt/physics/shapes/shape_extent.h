@@ -36,6 +36,10 @@ inline double extent_along(const Shape& shape, Hulls hulls, const Vec3d& d) noex
   return 0.0;
 }
 
+constexpr bool has_flat_faces(ShapeKind kind) noexcept {
+  return kind != ShapeKind::kSphere && kind != ShapeKind::kCapsule && kind != ShapeKind::kPlane;
+}
+
 // A flat face: the points x of the shape have normal . x <= offset.
 struct FlatFace {
   Vec3d normal;     // unit, outwards
