@@ -233,12 +233,12 @@ void add_bodies(py::class_<SessionObject>& session) {
     return [field, name](SessionObject& self) { return self.bodies(field, name); };
   };
   session
-      .def_property_readonly(
-          "position", bodies(&BodyState::position_m, "position"),
-          "(bodies, 3) float64, m, world: the origins of the frames that the scene places, as its position_m; members "
-          "of "
-          "any hand as of the last tick, "
-          "the others as of the last global step. A view: read-only, not a copy, it follows the run.")
+      .def_property_readonly("position", bodies(&BodyState::position_m, "position"),
+                             "(bodies, 3) float64, m, world: the origins of the frames that the scene places, as its "
+                             "position_m; members of "
+                             "any hand as of the last tick, the others as of the last global step. A view: read-only, "
+                             "not a copy, it follows "
+                             "the run.")
       .def_property_readonly("rotation", bodies(&BodyState::rotation, "rotation"),
                              "(bodies, 4) float64: w, x, y, z, world from body. A view, as position.")
       .def_property_readonly("velocity", bodies(&BodyState::velocity_m_per_s, "velocity"),

@@ -54,6 +54,9 @@ inline constexpr double kFlatTolerance = 1e-5;
 // other, without a contact with its edge. A resting contact is a few um deep, and an edge that is higher by so little
 // must not stop a body.
 inline constexpr double kFlush = 1e-4;
+// Cosines: the normal of a flush face and that of a contact with its edge are across each other below the first, and
+// may come to be below it, while the contact is carried over, below the second.
+inline constexpr double kAcross = 0.5, kAcrossCarried = 0.55;
 
 // --- features and axes of boxes and hulls
 // The two top bits of a feature: its type (see is_of_face).

@@ -227,11 +227,12 @@ void add_edge_contact(const BoxPair& boxes, int code, const Vec3d& n, double sep
             kEdgeType | static_cast<std::uint32_t>(code) << 6 | sides);
 }
 
-// See Manifold::may_be_flush; the limits leave room for the motion of a carried-over contact.
+// The value of Manifold::may_be_flush. A carried-over contact may move by less than kFlush.
 bool may_be_flush(const BoxPair& boxes, const AxisTest& test, const Vec3d& n) noexcept {
-  constexpr double kMost = 2.0 * kFlush, kAcross = 0.55;
+  constexpr double kMost = 2.0 * kFlush;
   for (int code = 1; code < kFirstEdge; ++code)
-    if (std::abs(test.face[code - 1]) <= kMost && std::abs(dot(face_axis(boxes, code), n)) < kAcross) return true;
+    if (std::abs(test.face[code - 1]) <= kMost && std::abs(dot(face_axis(boxes, code), n)) < kAcrossCarried)
+      return true;
   return false;
 }
 

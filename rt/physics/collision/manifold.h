@@ -74,8 +74,8 @@ struct LastFeatures {
 struct ManifoldQuery {
   double margin;        // m: points up to this separation
   LastFeatures last{};  // of the last step
-  // Manifold::apart of the last step, if it had no contact. It is tested first, because bodies that are near
-  // each other mostly stay in front of the same face: it saves work and changes no point.
+  // Manifold::apart of the last step, if it had no contact. It is tested first, because bodies that are near each other
+  // mostly stay in front of the same face: it saves work and changes no point.
   AxisCache apart{};
 };
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "rt/base/ids.h"
+#include "rt/base/wide.h"
 #include "rt/physics/collision/manifold.h"
 
 namespace tactus::physics {
@@ -15,7 +16,8 @@ struct ContactPoint {
   Vec3d from_a, from_b;  // m, from the centres of A and B, world axes, at the start of the step
   double separation{};   // m, at the start of the step
   std::uint32_t feature{0};
-  bool redundant{false};          // true: the solver leaves the point out (redundant_points.h); set in every step
+  bool redundant{
+      false};  // true: the solver leaves the point out (redundant_points.h, flush_seams.h); set in every step
   double normal_impulse{};        // N s, of the last sub-step
   double tangent_impulse[2]{};    // N s, of the last sub-step, along `tangents_of(normal)`
   double total_normal_impulse{};  // N s, over the step
@@ -42,6 +44,19 @@ struct Contact {
     for (std::uint32_t i = 0; i < count; ++i)
       if (points[i].total_normal_impulse > 0.0 || points[i].separation <= 0.0) return true;
     return false;
+  }
+  // Separation of the deepest point [m].
+  double least_separation() const noexcept {
+    double least = points[0].separation;
+    for (std::uint32_t i = 1; i < count; ++i) least = smaller(least, points[i].separation);
+    return least;
+  }
+  // Makes the solver leave all points out.
+  void leave_out() noexcept {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      points[i].redundant = true;
+      points[i].normal_impulse = points[i].tangent_impulse[0] = points[i].tangent_impulse[1] = 0.0;
+    }
   }
   // True if the solver leaves all points out.
   bool is_redundant() const noexcept {

@@ -33,12 +33,6 @@ double margin_for(bool with_patch, double closing, const StepSettings& settings)
                     : std::max(settings.min_margin, closing + carry_over_margin(settings));
 }
 
-double separation_of(const Contact& contact) noexcept {
-  double least = contact.points[0].separation;
-  for (std::uint32_t i = 1; i < contact.count; ++i) least = std::min(least, contact.points[i].separation);
-  return least;
-}
-
 constexpr MotionBound kStill{};  // of a fixed body
 
 // Number of pairs visited at a time: enough to share their searches, few enough to stay in the cache.
@@ -199,6 +193,7 @@ void ContactTable::keep(Walk& walk, const Visit& visit) noexcept {
     *contact = *last;
     reference = *last_reference;
   }
+  for (ContactPoint& point : contact->points) point.redundant = false;
   reference.moved = visit.moved;
   contact->slot_a = pair.a;
   contact->slot_b = pair.b;
@@ -293,7 +288,7 @@ void ContactTable::keep_deepest(StepReport& report) noexcept {
   for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
   // Ties by index, which is the order of keys.
   std::nth_element(order_.begin(), order_.begin() + capacity, order_.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const double s = separation_of(at(i)), t = separation_of(at(j));
+    const double s = at(i).least_separation(), t = at(j).least_separation();
     return s != t ? s < t : i < j;
   });
   order_.resize(capacity);
@@ -345,9 +340,7 @@ void ContactTable::build(const Scene& scene, const StepSettings& settings, doubl
   contacts_.resize(walk.written);
   references_.resize(walk.written);
   if (!beyond_.empty()) keep_deepest(report);
-  for (Contact& contact : contacts_.span())
-    for (ContactPoint& point : contact.points) point.redundant = false;
-  const TouchingBodies bodies{scene.bodies, scene.fixed_bodies, scene.frames, scene.fixed_frames, scene.shapes};
+  const TouchingBodies bodies{scene.bodies, scene.fixed_bodies, scene.shapes};
   if (!scene.shapes.compounds.empty()) mark_redundant_points(bodies, settings.slop, contacts_.span());
   seams_.mark(bodies, carry_over_margin(settings), contacts_.span());
 

@@ -36,18 +36,11 @@ class FlushSeams {
   void mark(const TouchingBodies& bodies, double carried, std::span<Contact> contacts) noexcept;
 
  private:
-  struct Side;
-  enum Mark : std::uint8_t { kAOverB = 1, kBOverA = 2 };
-
-  static Side side_of(const TouchingBodies& bodies, const Contact& contact, bool b) noexcept;
-  template <class F>
-  static void for_each_flush_face(const TouchingBodies& bodies, const Contact& contact, bool b_over_a, double slack,
-                                  F&& f) noexcept;
   void list_contacts_of(std::size_t bodies, std::span<const Contact> contacts) noexcept;
   bool passes_over(const TouchingBodies& bodies, std::span<const Contact> contacts, std::uint32_t contact,
                    bool b_over_a) const noexcept;
 
-  BoundedVector<std::uint8_t> marks_;            // by contact
+  BoundedVector<std::uint32_t> on_seam_;         // contacts
   BoundedVector<std::uint32_t> first_, listed_;  // of slot s the contacts listed_[first_[s]] to listed_[first_[s + 1]]
 };
 

@@ -45,11 +45,7 @@ void mark_inner_faces(const TouchingBodies& bodies, double slop, std::span<Conta
   for (Contact& contact : of_pair) {
     const bool inner =
         is_inside_body(a, contact, 1.0, bodies.shapes, slop) || is_inside_body(b, contact, -1.0, bodies.shapes, slop);
-    for (std::uint32_t i = 0; inner && i < contact.count; ++i) {
-      ContactPoint& point = contact.points[i];
-      point.redundant = true;
-      point.normal_impulse = point.tangent_impulse[0] = point.tangent_impulse[1] = 0.0;
-    }
+    if (inner) contact.leave_out();
   }
 }
 

@@ -17,7 +17,6 @@
 #include <span>
 
 #include "rt/physics/body.h"
-#include "rt/physics/body_frame.h"
 #include "rt/physics/contact/contact.h"
 #include "rt/physics/shapes/shape_lists.h"
 
@@ -28,7 +27,6 @@ inline constexpr std::uint32_t kMaxContactPlanes = 6;
 // By slot.
 struct TouchingBodies {
   std::span<const Body> moving, fixed;
-  std::span<const BodyFrame> frames, fixed_frames;
   const ShapeLists& shapes;
 };
 

@@ -2,7 +2,7 @@
 // [any]; pure. Bound: linear in the vertices and faces of a hull.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 
 #include "rt/physics/shapes/hull_view.h"
@@ -34,10 +34,6 @@ inline double extent_along(const Shape& shape, Hulls hulls, const Vec3d& d) noex
       return 0.0;
   }
   return 0.0;
-}
-
-constexpr bool has_flat_faces(ShapeKind kind) noexcept {
-  return kind != ShapeKind::kSphere && kind != ShapeKind::kCapsule && kind != ShapeKind::kPlane;
 }
 
 // A flat face: the points x of the shape have normal . x <= offset.

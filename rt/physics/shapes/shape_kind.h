@@ -29,6 +29,7 @@ struct ShapeTraits {
   bool is_part{true};     // a compound may have it as a part: it is convex
   bool is_listed{false};  // a shape refers to a list of the world by its index
   bool rolls{false};      // on its side: a point of contact moves along a round surface
+  bool has_faces{true};   // flat ones, of a limited size
 };
 
 // The name is empty for a number that is no kind.
@@ -36,13 +37,13 @@ constexpr ShapeTraits traits_of(ShapeKind kind) noexcept {
   using enum ShapeKind;
   switch (kind) {
     case kSphere:
-      return {.name = "sphere", .rolls = true};
+      return {.name = "sphere", .rolls = true, .has_faces = false};
     case kCapsule:
-      return {.name = "capsule", .rolls = true};
+      return {.name = "capsule", .rolls = true, .has_faces = false};
     case kBox:
       return {.name = "box"};
     case kPlane:
-      return {.name = "plane", .moves = false, .is_part = false};
+      return {.name = "plane", .moves = false, .is_part = false, .has_faces = false};
     case kHull:
       return {.name = "hull", .is_listed = true};
     case kMesh:

@@ -162,6 +162,30 @@ TEST_CASE("A box slides from one table onto the next with each length of the ste
     }
 }
 
+TEST_CASE(
+    "At a seam only contacts with upward normals are solved, at any overlap and however far the body is over it") {
+  for (const std::string tile : kTiles)
+    for (const std::string slider : kSliders)
+      for (const double depth : {0.0, 2e-5, 3.3e-5, 9e-5})
+        for (double over = -3e-4; over < 2e-3; over += 2.3e-5) {
+          CAPTURE(tile, slider, depth, over);
+          Floor floor;
+          floor.add_tiles(tile, 0);
+          const double half = slider == "compound" ? 2 * kHalf : kHalf;
+          floor.add_slider(slider, kTile / 2 - half + over, 0);
+          floor.world->find(kSlider)->motion.pose.position.z -= depth;
+          (void)floor.run(floor.settings.dt);
+          std::uint32_t on_next = 0;
+          for (const Contact& contact : floor.world->contacts()) {
+            if (contact.is_redundant()) continue;
+            REQUIRE(std::abs(contact.normal.z) > 0.999);
+            on_next += contact.slot_b == 1 ? contact.count : 0;
+          }
+          if (over < -1e-5) REQUIRE(on_next == 0);
+          if (over > 1.3e-4) REQUIRE(on_next >= 1);
+        }
+}
+
 TEST_CASE("Tiles that move themselves pass below what rests, and a brick slides over a course of loose bricks") {
   test::PhysicsBench bench;
   bench.add_ground(0, 0.8);
