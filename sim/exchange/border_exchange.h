@@ -37,11 +37,6 @@ struct BodyOverStep {
   const physics::Body& body;
   const Posed& start;
 };
-// Durations of a step whose bodies fill_outside reads [s].
-struct StepTimes {
-  double step_s, sub_step_s;  // of the step, or of its last macro step
-  double cycle_s;             // of the cycle over which the outside bodies' motion is predicted
-};
 // A world's contacts after a step.
 struct StepContacts {
   std::span<const physics::Contact> contacts;
@@ -76,13 +71,14 @@ class BorderExchange {
   // Fills `outside` with the outside bodies of these border points and of joints to members, by id, after a step.
   // `members`: of the next cycle. Returns the number of bodies that did not fit: their points have no ghost.
   //
-  // A body's drive is its acceleration due to everything but the members: a - W L. a: its acceleration over the step,
-  // where it is expected to continue; L: the members' wrench on it, about its centre, as far as it lasts. Where the
-  // body rests on firm ground, W is 0 and so is the drive. For a body that no member touches yet, W is the admittance
-  // of the body alone: its contacts with the ground, which hold it at rest, do not stop it in an impact.
+  // A body's drive is its acceleration due to everything but the members, as far as it lasts: W (f - L). f: the force
+  // that moved it and what is connected to it (apparent_inertia.h); L: the members' wrench on it, about its centre.
+  // Where the body rests on firm ground, W is 0 and so is the drive. For a body that no member touches yet, W is the
+  // admittance of the body alone: its contacts with the ground, which hold it at rest, do not stop it in an impact.
   //
-  // An impact is no lasting load: were its mean over the step in L, the ghost would be driven against the member by as
-  // much for a whole cycle. So L is at most kGrowth times what it was after the step before.
+  // An impact does not last: were its mean over the step in the drive, the ghost would be driven against the member, or
+  // away from it, by as much for a whole cycle. So of a drive that changed by more than its value after the step
+  // before, what the two have in common counts; a body that was not at the border then has its whole value.
   std::uint32_t fill_outside(const physics::World& world, std::span<const std::uint8_t> members, const StepTimes& times,
                              std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
@@ -97,18 +93,18 @@ class BorderExchange {
     Vec3d force, point;  // N; m
     Vec3d torque;        // N m
   };
-  struct ForceOn {
+  struct DriveOf {
     BodyId outside;
-    double force_N;  // of the members on it, as found: before the limit
+    Twistd drive;  // m/s^2, rad/s^2: a - W L
   };
-  // Share of the load that counts as lasting; notes it for the next step.
-  double lasting_share(BodyId outside, const Wrenchd& load) noexcept;
+  // The part of `now` that lasts; notes `now` for the next step.
+  Twistd lasting_drive(BodyId outside, const Twistd& now) noexcept;
   void collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
                      std::span<const haptics::BorderPoint> border) noexcept;
 
   double added_inertia_;
   std::vector<Load> loads_;
-  std::vector<ForceOn> force_now_, force_before_;  // after this step and the one before; the latter by body
+  std::vector<DriveOf> drives_now_, drives_before_;  // after this step and the one before; the latter by id
   ApparentInertia admittance_;
 };
 
