@@ -263,6 +263,10 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
       counted = true;
     }
     if (!counted) contacts_.add_to_totals();
+    context.border_left_J = border_.left_J();
+    context.border_joints_J = 0;
+    run_stages(input, Phase::kEndSubStep, context);
+    border_.count_joints(report.border_joints_J + context.border_joints_J);
     border_.end_sub_step(state());
     for (auto& spring : springs_) spring.end_sub_step();
     pass(j + 1 == settings.sub_steps ? 0.5 * h : h);

@@ -51,6 +51,7 @@ struct NoBorder {
   void begin_sub_step(std::uint32_t, SolverBodies<S>) noexcept {}
   void count_joints(double) noexcept {}
   bool may_supply() const noexcept { return false; }
+  double left_J() const noexcept { return 0.0; }
   void apply_replay(SolverBodies<S>) noexcept {}
   void warm_start(SolverBodies<S>) noexcept {}
   void solve(SolverBodies<S>, const SweepRule<S>&, bool) noexcept {}

@@ -10,20 +10,19 @@
 // correction (rt/physics/push_out.h), which W_global contains, too: what rests on a border that gives way loses
 // potential energy without moving at the end of any sub-step.
 //
-// In a sub-step the contact rows supply at most what is available (BorderSolver::keep_within_tank); with nothing
-// available they only take energy. Joints (by what they supply in the sub-step that empties the tank), what is settled
-// at the synchronisation, and outside bodies that take energy, may exceed it: the excess is owed and repaid first.
-// Outside bodies in motion do work on members, which the balance knows only at the end of the cycle. So the border may
-// owe kCreditShare of their kinetic energy K (WorldSnapshot::outside_motion_J). That is bounded, too: if G is what
-// border and corrections supplied beyond the outside bodies' work, E_0 the initial amount and K_0 the kinetic energy
-// without G, K is at most K_0 + G, so
+// In a sub-step contacts and joints supply at most what is available (keep_within_tank of BorderSolver and Joints);
+// with nothing available they only take energy. What is settled at the synchronisation, and outside bodies that take
+// energy, may exceed it: the excess is owed and repaid first. Outside bodies in motion do work on members, which the
+// balance knows only at the end of the cycle. So the border may owe kCreditShare of their kinetic energy K
+// (WorldSnapshot::outside_motion_J). That is bounded, too: if G is what border and corrections supplied beyond the
+// outside bodies' work, E_0 the initial amount and K_0 the kinetic energy without G, K is at most K_0 + G, so
 //   G <= E_0 + kCreditShare (K_0 + G) <= (E_0 + kCreditShare K_0) / (1 - kCreditShare)
 // What the damper between device and proxy takes, and what members dissipate between them by friction, in contacts and
 // joints (SubWorld::note_dissipation), fills the tank up to the initial amount: else a balance that is a little short
 // after an impact would stay so. So border and corrections have supplied at most the initial amount, the work of the
-// outside bodies, what was dissipated, and what is owed; in their own sub-step contacts owe nothing. Thread: [rt], the
-// haptic thread. Units: J. Bound: constant time. Source: time-domain passivity, Hannaford, Ryu 2002; energy tanks,
-// Franken et al. 2011.
+// outside bodies, what was dissipated, and what is owed; in their own sub-step contacts and joints owe nothing. Thread:
+// [rt], the haptic thread. Units: J. Bound: constant time. Source: time-domain passivity, Hannaford, Ryu 2002; energy
+// tanks, Franken et al. 2011.
 #pragma once
 
 #include <algorithm>
@@ -34,6 +33,9 @@ namespace tactus::haptics {
 struct BorderTank {
   // Capacity between cycles: limits how much of the energy taken long ago can be supplied at once.
   static constexpr double kMaxStored_J = 0.1;
+
+  // With less it is empty: what is limited leaves rounding errors.
+  static constexpr double kNothing_J = 1e-9;
 
   // Share of the outside bodies' kinetic energy that the border may owe; bounded below 1. Measured range: from 0.25 to
   // 0.9 the same (tests/border/README.md).
@@ -60,7 +62,7 @@ struct BorderTank {
   // Once a cycle, when all of it is settled. Within a cycle the energy of an impact may be on one side of the balance
   // only.
   void keep_capacity() noexcept { stored_J = std::min(stored_J, kMaxStored_J); }
-  bool empty() const noexcept { return !(available_J() > 0); }
+  bool empty() const noexcept { return !(available_J() > kNothing_J); }
 };
 
 }  // namespace tactus::haptics

@@ -1,5 +1,7 @@
 #include "rt/physics/border/border_solver.h"
 
+#include "rt/physics/border/work_limit.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -225,11 +227,8 @@ double BorderSolver::work_of(const Row& row, const SolverBody<double>& body) con
   return 0.5 * dot(impulse_of(row), row.start_velocity + velocity_at(body, row.r));
 }
 
-// Takes back so much of a row's impulse J that the work W on the member becomes `allowed`. Of the part D of J the share
-// x is added, the root nearest 0 in [-1, 0]: the velocity after the sub-step changes by x A D, so with v the mean of
-// the velocities before and after
-//   W + x (D . v + J A D / 2) + x^2 D A D / 2 = allowed
-// D is the friction; if that is not enough, or if the normal impulse itself supplies energy, all of J.
+// Takes back so much of a row's impulse J that the work on the member becomes `allowed` (work_limit.h). The part D is
+// the friction; if that is not enough, or if the normal impulse itself supplies energy, all of J.
 void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia,
                                   double allowed) noexcept {
   const auto take_back = [&](double normal, double tangent) noexcept {
@@ -239,9 +238,7 @@ void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymM
     const double q = inverse_effective_mass(body.inverse_mass, inertia, row.r, part, part);
     const double p = dot(part, mean) + 0.5 * inverse_effective_mass(body.inverse_mass, inertia, row.r, all, part);
     const double beyond = dot(all, mean) - allowed;
-    const double root = p * p - 2.0 * q * beyond;
-    const double slope = p + std::sqrt(std::max(0.0, root));
-    const double x = root >= 0.0 && slope > 0.0 ? std::max(-1.0, -2.0 * beyond / slope) : -1.0;
+    const double x = share_taken_back(p, q, beyond);
     apply_impulse(row, body, inertia, x * normal * row.normal_impulse, x * tangent * row.tangent_impulse[0],
                   x * tangent * row.tangent_impulse[1]);
     row.normal_impulse *= 1.0 + x * normal;

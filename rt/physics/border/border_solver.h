@@ -41,13 +41,15 @@ class BorderSolver {
   void prepare(std::span<BorderContact> contacts, std::span<const BorderGhost> ghosts, std::span<const Body> bodies,
                SolverBodies<double> solver_bodies, const BorderStep& step) noexcept;
   void begin_sub_step(std::uint32_t j, SolverBodies<double> bodies) noexcept;  // before anything moves
-  // Call in every sub-step, once joints' work is known: decides whether contacts may supply energy in it.
-  // `by_joints_J`: work of joints to outside bodies so far in the step; what they have taken is left for the next step.
+  // Call at the start of every sub-step, once joints' work is known: decides whether contacts may supply energy in it;
+  // and before end_sub_step, with this sub-step's. `by_joints_J`: work of joints to outside bodies so far in the step;
+  // what they have taken is left for the next step.
   void count_joints(double by_joints_J) noexcept {
     by_joints_J_ = std::max(0.0, by_joints_J);
     may_supply_ = left_J() > 0.0;
   }
   bool may_supply() const noexcept { return may_supply_; }
+  double left_J() const noexcept { return available_J_ - by_joints_J_; }  // energy that the border may still supply
   void apply_replay(SolverBodies<double> bodies) noexcept;
   void warm_start(SolverBodies<double> bodies) noexcept;
   void solve(SolverBodies<double> bodies, const SweepRule<double>& rule, bool biased) noexcept;
@@ -136,7 +138,6 @@ class BorderSolver {
   void solve_normal(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,
                     bool biased) noexcept;
   void store_impulses(std::span<BorderContact> contacts, double share) const noexcept;
-  double left_J() const noexcept { return available_J_ - by_joints_J_; }
 
   BoundedVector<Row> rows_;
   BoundedVector<Pair> pairs_;

@@ -1,6 +1,7 @@
 // Solves the rows of joints, sub-step by sub-step.
 #include <algorithm>
 
+#include "rt/physics/border/work_limit.h"
 #include "rt/physics/effects/joints.h"
 
 namespace tactus::physics {
@@ -257,11 +258,23 @@ void Joints::apply(const Row& row, const Side& a, const Side& b, const JointEffo
   push(b, row.r_b, p, m);
 }
 
-void Joints::add_to_sums(StageContext& c, Row& row) const noexcept {
+Wrenchd Joints::impulse_on_b(const Row& row) const noexcept {
   const Vec3d along = (row.now.drive + row.now.lower + row.now.upper) * row.axis;
   const bool turns = joints_[row.joint].kind == JointKind::kHinge;
-  const Vec3d force = out_of(row.axes, row.now.linear) + (turns ? Vec3d{} : along);
-  const Vec3d torque = out_of(row.axes, row.now.angular) + (turns ? along : Vec3d{});
+  return {out_of(row.axes, row.now.linear) + (turns ? Vec3d{} : along),
+          out_of(row.axes, row.now.angular) + (turns ? along : Vec3d{})};
+}
+
+// J, in this sub-step, of a joint with a body of another world.
+double Joints::work_on_member(const StageContext& c, const Row& row) const noexcept {
+  const auto [force, torque] = impulse_on_b(row);
+  const Twistd mean = 0.5 * (row.start_velocity + frame_velocity(c, row));
+  const double on_b = dot(force, mean.linear) + dot(torque, mean.angular);
+  return row.slot_b != kOutside ? on_b : -on_b;
+}
+
+void Joints::add_to_sums(StageContext& c, Row& row) const noexcept {
+  const auto [force, torque] = impulse_on_b(row);
   row.sum_force += force;
   row.sum_torque += torque;
   if (row.ghost != kNoGhost) {
@@ -269,11 +282,41 @@ void Joints::add_to_sums(StageContext& c, Row& row) const noexcept {
     const Wrenchd on_outside = (on_b ? 1.0 : -1.0) * Wrenchd{force, cross(on_b ? row.r_b : row.r_a, force) + torque};
     c.ghosts[row.ghost].impulse += on_outside;
   }
-  if (!row.anchored) return;
-  const Twistd end = frame_velocity(c, row);
-  const double on_b = dot(force, 0.5 * (row.start_velocity.linear + end.linear)) +
-                      dot(torque, 0.5 * (row.start_velocity.angular + end.angular));
-  c.report.border_joints_J += row.slot_b != kOutside ? on_b : -on_b;
+  if (row.anchored) c.report.border_joints_J += work_on_member(c, row);
+}
+
+// All of the impulse counts as the part of work_limit.h.
+void Joints::take_back_work(StageContext& c, Row& row, double allowed_J) noexcept {
+  const double beyond = work_on_member(c, row) - allowed_J;
+  const Side a = side(c, row, row.slot_a), b = side(c, row, row.slot_b);
+  const Side& member = row.slot_b != kOutside ? b : a;
+  const auto [force, torque] = impulse_on_b(row);
+  const Vec3d turn = cross(row.slot_b != kOutside ? row.r_b : row.r_a, force) + torque;
+  const double square =
+      member.body.inverse_mass * dot(force, force) + dot(turn, member.inverse_inertia * turn);  // J A J
+  const double share = share_taken_back(beyond + allowed_J + 0.5 * square, square, beyond);
+  apply(row, a, b, share * row.now);
+  row.now = (1.0 + share) * row.now;
+}
+
+void Joints::keep_within_tank(StageContext& c) noexcept {
+  if (anchors_.empty()) return;
+  double given = 0, sum = 0;
+  for (const Row& row : rows_) {
+    if (!row.anchored) continue;
+    const double work = work_on_member(c, row);
+    given += std::max(0.0, work);
+    sum += work;
+  }
+  c.border_joints_J = sum;
+  if (sum <= c.border_left_J || !(given > 0.0)) return;
+  const double share = std::max(0.0, c.border_left_J) / given;
+  for (Row& row : rows_)
+    if (const double work = row.anchored ? work_on_member(c, row) : 0.0; work > 0.0)
+      take_back_work(c, row, share * work);
+  c.border_joints_J = 0;
+  for (const Row& row : rows_)
+    if (row.anchored) c.border_joints_J += work_on_member(c, row);
 }
 
 void Joints::warm_start(StageContext& c) noexcept {

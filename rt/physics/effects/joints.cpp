@@ -78,6 +78,7 @@ void Joints::register_stages(StageTable& table) noexcept {
   table.add<&Joints::solve<false>>(Phase::kRelax, *this);
   table.add<&Joints::scale>(Phase::kScale, *this);
   table.add<&Joints::keep>(Phase::kKeep, *this);
+  table.add<&Joints::keep_within_tank>(Phase::kEndSubStep, *this);
   table.add<&Joints::finish>(Phase::kFinish, *this);
 }
 

@@ -137,11 +137,15 @@ class Joints {
   void follow(StageContext& c) noexcept;  // updates the coordinates after the bodies have moved
   void scale(StageContext& c) noexcept;
   void keep(StageContext& c) noexcept;
+  void keep_within_tank(StageContext& c) noexcept;  // limits the energy that joints to outside bodies supply
   void finish(StageContext& c) noexcept;
   void apply(const Row& row, const Side& a, const Side& b, const JointEffort& effort) const noexcept;
   static void push(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& m) noexcept;
   static double answer(const Side& side, const Vec3d& r, const Vec3d& p, const Vec3d& q) noexcept;
   Twistd frame_velocity(const StageContext& c, const Row& row) const noexcept;
+  Wrenchd impulse_on_b(const Row& row) const noexcept;  // N s, N m s, at B's frame, world
+  double work_on_member(const StageContext& c, const Row& row) const noexcept;
+  void take_back_work(StageContext& c, Row& row, double allowed_J) noexcept;
   void add_to_sums(StageContext& c, Row& row) const noexcept;
 
   std::span<const Joint> joints_;

@@ -33,10 +33,11 @@ enum class Phase : std::uint32_t {
   kRelax = 8,         // before the contacts' relax sweep; called once per relax sweep
   kScale = 9,         // after a warm start without following sweeps: multiply its impulses by `factor`
   kKeep = 10,         // before the one relax sweep that corrects several sub-steps: save the impulses
-  kFinish = 11,       // contacts have the step's impulses; velocities may still be changed. Impulses for the next step:
+  kEndSubStep = 11,   // after all sweeps; velocities may still be changed
+  kFinish = 12,       // contacts have the step's impulses; velocities may still be changed. Impulses for the next step:
                       // those of kKeep plus `factor` of their change since; 1: the present ones
 };
-inline constexpr std::uint32_t kPhases = 12;
+inline constexpr std::uint32_t kPhases = 13;
 inline constexpr std::uint32_t kMaxStages = 16;
 
 // Input of a stage; everything by slot except contacts and fixed bodies.
@@ -62,6 +63,9 @@ struct StageContext {
   // must do no work on bodies of this world.
   std::span<GhostState> ghosts{};
   bool ghosts_may_supply{true};
+  // kEndSubStep: energy that the border may still supply to this world, and the work of joints to outside bodies in the
+  // sub-step, which a stage sets.
+  double border_left_J{0}, border_joints_J{0};
 };
 
 class StageTable {

@@ -139,6 +139,29 @@ TEST_CASE("A ghost that may not give does no work on a body through a joint") {
     CHECK(one.border_J <= 0);
 }
 
+// A sub-step that starts with some energy left could give any amount in it.
+TEST_CASE("A ghost gives no more work through a joint than is left of the available energy, in any sub-step") {
+  const auto kind =
+      GENERATE(JointKind::kFixed, JointKind::kBall, JointKind::kHinge, JointKind::kSlider, JointKind::kDistance);
+  CAPTURE(static_cast<int>(kind));
+  const auto given_of = [kind](double available_J) {
+    Bench both(kind), one(kind);
+    REQUIRE(both.world.insert(body_of(kA)));
+    both.tell_of_a(one);
+    one.add_ghost();
+    one.world.border_ghosts()[0].velocity = {{1, 2, 0}, {0, 1, 3}};
+    for (int i = 0; i < 20; ++i) {
+      one.world.border_rule.available_J = available_J - one.border_J;
+      one.step(1);
+    }
+    return one.border_J;
+  };
+  const double free_J = given_of(1e9);
+  REQUIRE(free_J > 0.1);
+  for (const double part : {0.001, 0.1, 0.5}) CHECK(given_of(part * free_J) <= 1.001 * part * free_J);
+  CHECK(given_of(0.5 * free_J) > 0.1 * free_J);
+}
+
 namespace {
 
 // B hangs below A, by a joint halfway between them; A is known by a ghost that all but nothing moves.
