@@ -49,6 +49,15 @@ void take_back(const Contact& contact, physics::SlotIndex outside, physics::Worl
   }
 }
 
+// How much more than over the last cycle a body may be expected to accelerate. Measured range: 1 to 4
+// (tests/border/README.md).
+constexpr double kGrowth = 2;
+
+Vec3d at_most(const Vec3d& v, double length) noexcept {
+  const double now = norm(v);
+  return now > length ? v * (length / now) : v;
+}
+
 // What lasts of a value, by its value a step before: all of it if it changed by at most that value, else the part of it
 // along that value, between 0 and that value (the minmod limiter of van Leer 1979).
 Vec3d lasting(const Vec3d& now, const Vec3d& before) noexcept {
@@ -164,15 +173,14 @@ BorderExchange::BorderExchange(std::uint32_t max_bodies, std::uint32_t max_conta
   points_.reserve(std::size_t{max_contacts} * physics::kMaxManifoldPoints);
   loads_.reserve(std::size_t{haptics::kMaxBorderPoints} + max_joints);
   order_.reserve(points_.capacity());
-  drives_now_.reserve(physics::kMaxSprings * loads_.capacity());
-  drives_before_.reserve(drives_now_.capacity());
+  known_now_.reserve(physics::kMaxSprings * loads_.capacity());
+  known_before_.reserve(known_now_.capacity());
 }
 
 void BorderExchange::begin_step() noexcept {
-  drives_before_.swap(drives_now_);
-  drives_now_.clear();
-  std::sort(drives_before_.begin(), drives_before_.end(),
-            [](const DriveOf& p, const DriveOf& q) { return p.outside < q.outside; });
+  known_before_.swap(known_now_);
+  known_now_.clear();
+  std::sort(known_before_.begin(), known_before_.end(), [](const Known& p, const Known& q) { return p.id < q.id; });
 }
 
 std::uint32_t BorderExchange::fill(const StepContacts& step, std::span<const std::uint8_t> members, bool near_points,
@@ -269,18 +277,26 @@ std::uint32_t BorderExchange::fill_outside(const physics::World& world, std::spa
       load += Wrenchd{loads_[i].force, loads_[i].torque + cross(loads_[i].point - body.centre, loads_[i].force)};
     }
     body.admittance = touched ? answer.admittance : admittance_.free_admittance(slot);
-    body.drive = lasting_drive(id, answer.acceleration - body.admittance * load);
+    body.drive = lasting_drive(found, answer.acceleration, body.admittance * load, times.cycle_s);
     if (!outside.try_push(body)) ++left_out;
   }
   return left_out;
 }
 
-Twistd BorderExchange::lasting_drive(BodyId outside, const Twistd& now) noexcept {
-  drives_now_.push_back({outside, now});
-  const auto before = std::lower_bound(drives_before_.begin(), drives_before_.end(), outside,
-                                       [](const DriveOf& drive, BodyId body) { return drive.outside < body; });
-  if (before == drives_before_.end() || before->outside != outside) return now;
-  return {lasting(now.linear, before->drive.linear), lasting(now.angular, before->drive.angular)};
+Twistd BorderExchange::lasting_drive(const Body& outside, const Twistd& acceleration, const Twistd& under_load,
+                                     double cycle_s) noexcept {
+  const Twistd& velocity = outside.motion.velocity;
+  const auto known = std::lower_bound(known_before_.begin(), known_before_.end(), outside.id,
+                                      [](const Known& body, BodyId id) { return body.id < id; });
+  const bool is_known = known != known_before_.end() && known->id == outside.id;
+  Twistd drive = -1.0 * under_load;
+  if (is_known)
+    drive +=
+        Twistd{at_most(acceleration.linear, kGrowth * norm(velocity.linear - known->velocity.linear) / cycle_s),
+               at_most(acceleration.angular, kGrowth * norm(velocity.angular - known->velocity.angular) / cycle_s)};
+  known_now_.push_back({outside.id, velocity, drive});
+  if (!is_known) return drive;
+  return {lasting(drive.linear, known->drive.linear), lasting(drive.angular, known->drive.angular)};
 }
 
 // Sorted by outside body.

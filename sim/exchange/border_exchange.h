@@ -78,7 +78,9 @@ class BorderExchange {
   //
   // An impact does not last: were its mean over the step in the drive, the ghost would be driven against the member, or
   // away from it, by as much for a whole cycle. So of a drive that changed by more than its value after the step
-  // before, what the two have in common counts; a body that was not at the border then has its whole value.
+  // before, what the two have in common counts. f is of the last macro step, where a body at rest trembles: W f is at
+  // most twice the body's mean acceleration since the step before. A body that was not at the border then counts with
+  // its load alone.
   std::uint32_t fill_outside(const physics::World& world, std::span<const std::uint8_t> members, const StepTimes& times,
                              std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
@@ -93,18 +95,20 @@ class BorderExchange {
     Vec3d force, point;  // N; m
     Vec3d torque;        // N m
   };
-  struct DriveOf {
-    BodyId outside;
-    Twistd drive;  // m/s^2, rad/s^2: a - W L
+  struct Known {  // an outside body after a step
+    BodyId id;
+    Twistd velocity;
+    Twistd drive;  // W (f - L), m/s^2, rad/s^2
   };
-  // The part of `now` that lasts; notes `now` for the next step.
-  Twistd lasting_drive(BodyId outside, const Twistd& now) noexcept;
+  // The part that lasts of the drive, given W f and W L; notes the body for the next step.
+  Twistd lasting_drive(const physics::Body& outside, const Twistd& acceleration, const Twistd& under_load,
+                       double cycle_s) noexcept;
   void collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
                      std::span<const haptics::BorderPoint> border) noexcept;
 
   double added_inertia_;
   std::vector<Load> loads_;
-  std::vector<DriveOf> drives_now_, drives_before_;  // after this step and the one before; the latter by id
+  std::vector<Known> known_now_, known_before_;  // after this step and the one before; the latter by id
   ApparentInertia admittance_;
 };
 

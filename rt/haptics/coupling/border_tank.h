@@ -34,9 +34,6 @@ struct BorderTank {
   // Capacity between cycles: limits how much of the energy taken long ago can be supplied at once.
   static constexpr double kMaxStored_J = 0.1;
 
-  // With less it is empty: what is limited leaves rounding errors.
-  static constexpr double kNothing_J = 1e-9;
-
   // Share of the outside bodies' kinetic energy that the border may owe; bounded below 1. Measured range: from 0.25 to
   // 0.9 the same (tests/border/README.md).
   static constexpr double kCreditShare = 0.5;
@@ -62,7 +59,7 @@ struct BorderTank {
   // Once a cycle, when all of it is settled. Within a cycle the energy of an impact may be on one side of the balance
   // only.
   void keep_capacity() noexcept { stored_J = std::min(stored_J, kMaxStored_J); }
-  bool empty() const noexcept { return !(available_J() > kNothing_J); }
+  bool empty() const noexcept { return !(available_J() > 0); }
 };
 
 }  // namespace tactus::haptics
