@@ -51,7 +51,7 @@ void take_back(const Contact& contact, physics::SlotIndex outside, physics::Worl
 
 // How much more than over the last cycle a body may be expected to accelerate. Measured range: 1 to 4
 // (tests/border/README.md).
-constexpr double kGrowth = 2;
+constexpr double kGrowth = 1.5;
 
 Vec3d at_most(const Vec3d& v, double length) noexcept {
   const double now = norm(v);

@@ -79,8 +79,8 @@ class BorderExchange {
   // An impact does not last: were its mean over the step in the drive, the ghost would be driven against the member, or
   // away from it, by as much for a whole cycle. So of a drive that changed by more than its value after the step
   // before, what the two have in common counts. f is of the last macro step, where a body at rest trembles: W f is at
-  // most twice the body's mean acceleration since the step before. A body that was not at the border then counts with
-  // its load alone.
+  // most 1.5 times the body's mean acceleration since the step before. A body that was not at the border then counts
+  // with its load alone.
   std::uint32_t fill_outside(const physics::World& world, std::span<const std::uint8_t> members, const StepTimes& times,
                              std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;

@@ -25,13 +25,6 @@ namespace {
 // Maximum number of refused re-arms listed in a summary.
 constexpr std::size_t kMaxRefusals = 16;
 
-// For hand 0 the last core that this process may use, for the next hand the one before it; -1: unknown.
-int core_for(const RunOptions& options) {
-  if (options.cpu >= 0) return options.cpu;
-  const std::vector<int> allowed = loop::allowed_cpus();
-  return allowed.empty() ? -1 : allowed[allowed.size() - 1 - options.hand % allowed.size()];
-}
-
 // Measures the cost model on the core and at the priority of the haptic thread.
 Status calibrate_governor(Session& session, const loop::SetupRequest& setup, loop::Calibration& result) {
   Status status = Status::good();
@@ -151,7 +144,7 @@ class HandRun {
   static loop::PeriodicSettings settings_of(const RunOptions& options) {
     loop::PeriodicSettings settings;
     settings.period = std::chrono::nanoseconds(std::llround(options.period_s() * 1e9));
-    settings.setup.cpu = core_for(options);
+    settings.setup.cpu = core_of_hand(options.cpu, options.hand);
     settings.setup.priority = options.priority;
     return settings;
   }

@@ -213,7 +213,7 @@ int keep_budget(RunCommand& command, const sim::Scene& scene) {
   const auto budget = timing::load_budget(command.budget.string());
   if (!budget.ok()) return complain("tactus run: --budget: " + budget.message(), kExitBadInput);
   const unsigned members = o.members != 0 ? o.members : scene.members;
-  const int cpu = o.cpu >= 0 ? o.cpu : session::cores_without(-1).back();
+  const int cpu = session::core_of_hand(o.cpu);
   const auto answer = timing::check_budget(budget.value(), timing::this_machine(cpu),
                                            {o.rate_Hz, members, scene.solver.sub_steps, o.priority});
   if (!answer.refusal.empty()) return complain("tactus run: --budget: " + answer.refusal, kExitMachineCannot);

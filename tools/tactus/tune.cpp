@@ -27,7 +27,7 @@ int keep_budget(TuneCommand& command) {
   const auto budget = timing::load_budget(command.budget);
   if (!budget.ok()) return complain("tactus tune: --budget: " + budget.message(), kExitBadInput);
   tune::TuneRequest& request = command.request;
-  const int cpu = request.run.cpu >= 0 ? request.run.cpu : session::cores_without(-1).back();
+  const int cpu = session::core_of_hand(request.run.cpu);
   const auto answer = timing::check_budget(budget.value(), timing::this_machine(cpu),
                                            {request.run.rate_Hz, 1, 1, request.run.priority});
   if (!answer.refusal.empty()) return complain("tactus tune: --budget: " + answer.refusal, kExitMachineCannot);

@@ -236,7 +236,7 @@ std::optional<TimingResult> run_timing(const TimingOptions& given, const TimingP
                                        const std::atomic<bool>& stop, TimingProblem& problem,
                                        const WindowWatcher& visitor) {
   TimingOptions options = given;
-  if (options.run.cpu < 0) options.run.cpu = session::cores_without(-1).back();
+  options.run.cpu = session::core_of_hand(options.run.cpu);
   if (const Status status = session::check_core("--cpu", options.run.cpu); !status.ok()) {
     problem = {false, status.message()};
     return std::nullopt;

@@ -13,6 +13,14 @@ TEST_CASE("the cores without one are all the others, and that one where it is th
   CHECK(cores_without(all.back()).size() == (all.size() > 1 ? all.size() - 1 : 1));
 }
 
+TEST_CASE("the core of a hand is the one that is asked for, else the last one, for the next hand the one before it") {
+  const std::vector<int> all = cores_without(-1);
+  CHECK(core_of_hand(3) == 3);
+  CHECK(core_of_hand(-1) == all.back());
+  CHECK(core_of_hand(-1, 1) == all[all.size() > 1 ? all.size() - 2 : 0]);
+  CHECK(core_of_hand(-1, all.size()) == all.back());
+}
+
 TEST_CASE("a core that the process cannot stay on is one line with the option and a core that it can") {
   for (const int cpu : cores_without(-1)) CHECK(check_core("--cpu", cpu).ok());
   CHECK(check_core("--cpu", -1).ok());
