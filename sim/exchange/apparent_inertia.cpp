@@ -204,22 +204,20 @@ bool holds_coordinate(const Joint& joint, const JointState& state) noexcept {
 // z = L^-1 p this is Y^T z - (G - Y^T Y) v_parent.
 struct SeriesResponse {
   Matrix6 inertia{};
-  Vector6 momentum{}, force{};
+  Vector6 momentum{};
 };
-SeriesResponse series_inertia(const Matrix6& constraint_stiffness, const Matrix6& inertia, const Vector6& momentum,
-                              const Vector6& force) noexcept {
+SeriesResponse series_inertia(const Matrix6& constraint_stiffness, const Matrix6& inertia,
+                              const Vector6& momentum) noexcept {
   Matrix6 both = constraint_stiffness, y = constraint_stiffness;
   add(both, inertia);
   if (!factorise(both)) return {};
   solve_lower(both, y);
-  Vector6 z = momentum, f = force;
+  Vector6 z = momentum;
   solve_lower(both, z);
-  solve_lower(both, f);
-  SeriesResponse response{constraint_stiffness, {}, {}};
+  SeriesResponse response{constraint_stiffness, {}};
   for (std::size_t k = 0; k < 6; ++k)
     for (std::size_t i = 0; i < 6; ++i) {
       response.momentum[i] += y[k][i] * z[k];
-      response.force[i] += y[k][i] * f[k];
       for (std::size_t j = 0; j < 6; ++j) response.inertia[i][j] -= y[k][i] * y[k][j];
     }
   return response;
@@ -239,15 +237,6 @@ physics::Admittance invert(Matrix6 inertia) noexcept {
   result.angular = {w[3][3], w[4][4], w[5][5], w[4][3], w[5][3], w[5][4]};
   for (std::size_t i = 0; i < 3; ++i) result.crossed[i] = {w[3][i], w[4][i], w[5][i]};
   return result;
-}
-
-// Rate of a velocity, of its value at the end of the step and its mean over it; a deceleration at most stops the motion
-// within the cycle to come. `late_s`: from mid-step, where the mean is reached, to the end.
-Vec3d rate_to_come(const Vec3d& end, const Vec3d& mean, double late_s, double cycle_s) noexcept {
-  const Vec3d rate = (end - mean) * (1 / late_s);
-  const double change = cycle_s * norm(rate);
-  if (!(change > 0)) return {};
-  return rate * (dot(rate, end) < 0 ? std::min(1.0, norm(end) / change) : 1.0);
 }
 
 }  // namespace
@@ -280,9 +269,9 @@ void ApparentInertia::for_each_link(F&& f) const noexcept {
   for (const JointLink& joint : joints_) f(link++, joint.a, joint.b);
 }
 
-void ApparentInertia::index(const physics::World& world, double added_inertia, const StepTimes& times) noexcept {
+void ApparentInertia::index(const physics::World& world, double added_inertia, double step_s) noexcept {
   added_inertia_ = added_inertia;
-  times_ = times;
+  step_s_ = step_s;
   contacts_ = world.contacts();
   bodies_ = world.bodies();
   starts_ = world.last_poses();
@@ -349,20 +338,11 @@ Matrix6 ApparentInertia::constraint_stiffness_of(std::uint32_t link, const Vec3d
   return stiffness_of_joint(joints_[link - contacts_.size()], centre);
 }
 
-// Acceleration of the body expected over the next cycle [m/s^2, rad/s^2]: as over the last step.
-Twistd ApparentInertia::acceleration_to_come(SlotIndex slot) const noexcept {
-  const double late_s = 0.5 * (times_.step_s - times_.sub_step_s);
-  if (!(late_s > 0)) return {};
-  const Twistd &end = body(slot).motion.velocity, mean = mean_velocity(slot);
-  return {rate_to_come(end.linear, mean.linear, late_s, times_.cycle_s),
-          rate_to_come(end.angular, mean.angular, late_s, times_.cycle_s)};
-}
-
 // Over the last step; the present velocity of a body that was added since.
 Twistd ApparentInertia::mean_velocity(SlotIndex slot) const noexcept {
   const Body& moved = body(slot);
   const Posed& start = starts_[number_of(slot)];
-  return is_finite(start) ? mean_between(start, moved.motion.pose, times_.step_s) : moved.motion.velocity;
+  return is_finite(start) ? mean_between(start, moved.motion.pose, step_s_) : moved.motion.velocity;
 }
 
 Twistd ApparentInertia::off_mean(SlotIndex slot) const noexcept {
@@ -373,46 +353,14 @@ bool ApparentInertia::is_new(std::uint32_t link) const noexcept {
   return link < contacts_.size() && contacts_[link].least_separation() > 0.0;
 }
 
-// A joint lets its two anchors have the same acceleration, a + alpha x r + w x (w x r) on either body, so a + alpha x r
-// differ by this. Along a rod of length l, which turns with the anchors' relative velocity v across it, also by v^2 /
-// l.
-Vector6 ApparentInertia::turning_of(std::uint32_t link, SlotIndex held) const noexcept {
-  if (link < contacts_.size()) return {};
-  const JointLink& joined = joints_[link - contacts_.size()];
-  const Joint& joint = *joined.joint;
-  struct Anchor {
-    Vec3d at, velocity, inwards;
-  };
-  const auto anchor_of = [this](SlotIndex slot, const Vec3d& anchor) noexcept -> Anchor {
-    if (slot == kStatic) return {.at = anchor, .velocity = {}, .inwards = {}};
-    const Posed& pose = body(slot).motion.pose;
-    const Vec3d r = rotate(pose.rotation, anchor);
-    const auto& [v, w] = mean_velocity(slot);
-    return {.at = pose.position + r, .velocity = v + cross(w, r), .inwards = cross(w, cross(w, r))};
-  };
-  const Anchor a = anchor_of(joined.a, joint.a_from_joint.position);
-  const Anchor b = anchor_of(joined.b, joint.b_from_joint.position);
-  Vec3d of_b = a.inwards - b.inwards;
-  const Vec3d rod = b.at - a.at;
-  const double square = dot(rod, rod);
-  if (joint.kind == JointKind::kDistance && square > 0) {
-    const Vec3d v = b.velocity - a.velocity, across = v - rod * (dot(v, rod) / square);
-    of_b += rod * (-dot(across, across) / square);
-  }
-  const Vec3d c = joined.b == held ? of_b : -of_b;
-  return {c.x, c.y, c.z, 0, 0, 0};
-}
-
 void ApparentInertia::visit(SlotIndex slot, std::uint32_t parent, std::uint32_t link, const Vec3d& centre) noexcept {
   found_[number_of(slot)] = search_;
   const Vec3d d = body(slot).motion.pose.position - centre;
   const Matrix6 inertia = inertia_of(body(slot), d);
   const Vector6 mean = at_point(mean_velocity(slot), d);
-  Vector6 reference = mean, turning{};
+  Vector6 reference = mean;
   if (parent != kNone) {
     const Visited& from = visited_[parent];
-    turning = from.turning;
-    add(turning, turning_of(link, slot));
     reference = is_new(link) ? from.reference : difference(mean, difference(from.mean, from.reference));
   }
   visited_.push_back({.slot = slot,
@@ -420,11 +368,9 @@ void ApparentInertia::visit(SlotIndex slot, std::uint32_t parent, std::uint32_t 
                       .link = link,
                       .mean = mean,
                       .reference = reference,
-                      .turning = turning,
                       .inertia = inertia,
                       .constraint_stiffness = {},
-                      .momentum = product(inertia, difference(at_point(body(slot).motion.velocity, d), reference)),
-                      .force = product(inertia, difference(at_point(acceleration_to_come(slot), d), turning))});
+                      .momentum = product(inertia, difference(at_point(body(slot).motion.velocity, d), reference))});
 }
 
 // Two compounds touch by several contacts, which are consecutive; `from` was reached by the first that touches.
@@ -447,9 +393,8 @@ void ApparentInertia::collect(SlotIndex slot, std::span<const std::uint8_t> memb
       if (other == kStatic || is_immovable(other)) {
         const Matrix6 constraint_stiffness = constraint_stiffness_of(link, centre);
         add(visited_[head].inertia, constraint_stiffness);
-        Visited& held = visited_[head];
-        add(held.momentum, product(constraint_stiffness, difference(held.mean, held.reference)));
-        add(held.force, product(constraint_stiffness, difference(turning_of(link, held.slot), held.turning)));
+        add(visited_[head].momentum,
+            product(constraint_stiffness, difference(visited_[head].mean, visited_[head].reference)));
         if (other != kStatic)
           add(visited_[head].momentum,
               product(constraint_stiffness, at_point(off_mean(other), body(other).motion.pose.position - centre)));
@@ -463,21 +408,19 @@ void ApparentInertia::collect(SlotIndex slot, std::span<const std::uint8_t> memb
     from.constraint_stiffness = constraint_stiffness_of(from.link, centre);
     add_other_parts(from, centre);
     Visited& to = visited_[from.parent];
-    const SeriesResponse response = series_inertia(from.constraint_stiffness, from.inertia, from.momentum, from.force);
+    const SeriesResponse response = series_inertia(from.constraint_stiffness, from.inertia, from.momentum);
     add(to.inertia, response.inertia);
     add(to.momentum, response.momentum);
-    add(to.force, response.force);
   }
 }
 
 OutsideAnswer ApparentInertia::find(SlotIndex slot, std::span<const std::uint8_t> members) noexcept {
-  if (is_immovable(slot)) return {body(slot).motion.velocity, {}, {}};
+  if (is_immovable(slot)) return {body(slot).motion.velocity, {}};
   collect(slot, members);
+  const Vector6& p = visited_[0].momentum;
   const physics::Admittance w = invert(visited_[0].inertia);
-  const auto answer_to = [&w](const Vector6& f) noexcept {
-    return w * Wrenchd{{f[0], f[1], f[2]}, {f[3], f[4], f[5]}};
-  };
-  return {mean_velocity(slot) + answer_to(visited_[0].momentum), answer_to(visited_[0].force), w};
+  const Twistd mean = mean_velocity(slot), kept = w * Wrenchd{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
+  return {mean + kept, w};
 }
 
 physics::Admittance ApparentInertia::free_admittance(SlotIndex slot) const noexcept {

@@ -20,12 +20,6 @@
 // stops creep (the pushed row of `experiment energy-loss` is then off by 1.8 % instead of 0.6 %, the pile by 2.0
 // instead of 0.5 %).
 //
-// The force f that moved the bodies is sum M (a - c), and W f the acceleration to expect. a: their accelerations over
-// the last step; c: what joints take from them as they turn, w x (w x r), which needs no force. The acceleration of a
-// body that yields without momentum is not in it: expected to continue, a row that is pressed against a wall swings in
-// antiphase from cycle to cycle (hard case 33, twice its kinetic energy). Without c a chain is felt less well (`whip`
-// in tests/border at ratio 16: 8.6 instead of 4.8 % of the force).
-//
 // Measured range of a2, on hard case 32 where it is 3,500: at rest with 200 to 10,000. With 100,000 it sways: such
 // stiff contacts make ghosts that keep an instantaneous velocity and that no impulse changes.
 //
@@ -56,16 +50,9 @@ namespace tactus::sim {
 using Vector6 = std::array<double, 6>;
 using Matrix6 = std::array<std::array<double, 6>, 6>;
 
-// Durations of a step whose bodies are read [s].
-struct StepTimes {
-  double step_s, sub_step_s;  // of the step, or of its last macro step
-  double cycle_s;             // of the cycle over which the outside bodies' motion is predicted
-};
-
 // Motion of an outside body over the next cycle: v = velocity + admittance P, for an impulse P at its centre.
 struct OutsideAnswer {
-  Twistd velocity;      // m/s, rad/s: u, at the centre, without an impulse
-  Twistd acceleration;  // m/s^2, rad/s^2: W f; f: the force that moved the bodies as in the last step
+  Twistd velocity;  // m/s, rad/s: u, at the centre, without an impulse
   physics::Admittance admittance;
 };
 
@@ -76,9 +63,9 @@ class ApparentInertia {
 
   ApparentInertia(std::uint32_t max_bodies, std::uint32_t max_contacts, std::uint32_t max_joints);
 
-  // Reads the world after a step of `times`; the world must not change before the last find(). `added_inertia`: a2 [-]
+  // Reads the world after a step of `step_s`; the world must not change before the last find(). `added_inertia`: a2 [-]
   // of contacts and joints over the next cycle.
-  void index(const physics::World& world, double added_inertia, const StepTimes& times) noexcept;
+  void index(const physics::World& world, double added_inertia, double step_s) noexcept;
   // Motion of a body's centre. `members`, by slot: 1 for bodies that the sub-world moves.
   OutsideAnswer find(physics::SlotIndex slot, std::span<const std::uint8_t> members) noexcept;
   // Admittance of the body alone, as if nothing held it.
@@ -101,10 +88,9 @@ class ApparentInertia {
     physics::SlotIndex slot;
     std::uint32_t parent, link;    // parent: index in visited_
     Vector6 mean, reference;       // twists at the queried body's centre: over the last step; v_ref
-    Vector6 turning;               // c, at that centre
-    Matrix6 inertia;               // about that centre, its subtree included
+    Matrix6 inertia;               // about the queried body's centre, its subtree included
     Matrix6 constraint_stiffness;  // G of the link to the parent
-    Vector6 momentum, force;       // about that centre, its subtree included
+    Vector6 momentum;              // about that centre, its subtree included
   };
 
   void collect(physics::SlotIndex slot, std::span<const std::uint8_t> members) noexcept;
@@ -120,14 +106,10 @@ class ApparentInertia {
   Matrix6 stiffness_of_joint(const JointLink& link, const Vec3d& centre) const noexcept;
   Matrix6 constraint_stiffness_of(std::uint32_t link, const Vec3d& centre) const noexcept;
   bool is_new(std::uint32_t link) const noexcept;  // its bodies were apart at the start of the last step
-  // c of `held` less c of the other body. 0 for a contact.
-  Vector6 turning_of(std::uint32_t link, physics::SlotIndex held) const noexcept;
-  Twistd acceleration_to_come(physics::SlotIndex slot) const noexcept;
   Twistd mean_velocity(physics::SlotIndex slot) const noexcept;
   Twistd off_mean(physics::SlotIndex slot) const noexcept;  // present velocity minus the mean
 
-  double added_inertia_{0};
-  StepTimes times_{};
+  double added_inertia_{0}, step_s_{0};
   std::span<const physics::Contact> contacts_;
   std::span<const physics::Body> bodies_;
   std::span<const Posed> starts_;  // by slot: pose at the start of the last step

@@ -37,6 +37,11 @@ struct BodyOverStep {
   const physics::Body& body;
   const Posed& start;
 };
+// Durations of a step whose bodies fill_outside reads [s].
+struct StepTimes {
+  double step_s, sub_step_s;  // of the step, or of its last macro step
+  double cycle_s;             // of the cycle over which the outside bodies' motion is predicted
+};
 // A world's contacts after a step.
 struct StepContacts {
   std::span<const physics::Contact> contacts;
@@ -71,16 +76,13 @@ class BorderExchange {
   // Fills `outside` with the outside bodies of these border points and of joints to members, by id, after a step.
   // `members`: of the next cycle. Returns the number of bodies that did not fit: their points have no ghost.
   //
-  // A body's drive is its acceleration due to everything but the members, as far as it lasts: W (f - L). f: the force
-  // that moved it and what is connected to it (apparent_inertia.h); L: the members' wrench on it, about its centre.
-  // Where the body rests on firm ground, W is 0 and so is the drive. For a body that no member touches yet, W is the
-  // admittance of the body alone: its contacts with the ground, which hold it at rest, do not stop it in an impact.
+  // A body's drive is its acceleration due to everything but the members: a - W L. a: its acceleration over the step,
+  // where it is expected to continue; L: the members' wrench on it, about its centre, as far as it lasts. Where the
+  // body rests on firm ground, W is 0 and so is the drive. For a body that no member touches yet, W is the admittance
+  // of the body alone: its contacts with the ground, which hold it at rest, do not stop it in an impact.
   //
-  // An impact does not last: were its mean over the step in the drive, the ghost would be driven against the member, or
-  // away from it, by as much for a whole cycle. So of a drive that changed by more than its value after the step
-  // before, what the two have in common counts. f is of the last macro step, where a body at rest trembles: W f is at
-  // most 1.5 times the body's mean acceleration since the step before. A body that was not at the border then counts
-  // with its load alone.
+  // An impact is no lasting load: were its mean over the step in L, the ghost would be driven against the member by as
+  // much for a whole cycle. So L is at most kGrowth times what it was after the step before.
   std::uint32_t fill_outside(const physics::World& world, std::span<const std::uint8_t> members, const StepTimes& times,
                              std::span<const haptics::BorderPoint> border,
                              FixedVector<haptics::OutsideBody, haptics::kMaxOutsideBodies>& outside) noexcept;
@@ -95,20 +97,18 @@ class BorderExchange {
     Vec3d force, point;  // N; m
     Vec3d torque;        // N m
   };
-  struct Known {  // an outside body after a step
-    BodyId id;
-    Twistd velocity;
-    Twistd drive;  // W (f - L), m/s^2, rad/s^2
+  struct ForceOn {
+    BodyId outside;
+    double force_N;  // of the members on it, as found: before the limit
   };
-  // The part that lasts of the drive, given W f and W L; notes the body for the next step.
-  Twistd lasting_drive(const physics::Body& outside, const Twistd& acceleration, const Twistd& under_load,
-                       double cycle_s) noexcept;
+  // Share of the load that counts as lasting; notes it for the next step.
+  double lasting_share(BodyId outside, const Wrenchd& load) noexcept;
   void collect_loads(const physics::World& world, std::span<const std::uint8_t> members,
                      std::span<const haptics::BorderPoint> border) noexcept;
 
   double added_inertia_;
   std::vector<Load> loads_;
-  std::vector<Known> known_now_, known_before_;  // after this step and the one before; the latter by id
+  std::vector<ForceOn> force_now_, force_before_;  // after this step and the one before; the latter by body
   ApparentInertia admittance_;
 };
 
