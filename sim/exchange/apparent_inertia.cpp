@@ -392,12 +392,11 @@ void ApparentInertia::collect(SlotIndex slot, std::span<const std::uint8_t> memb
     for (const auto& [link, other] : links_of(visited_[head].slot)) {
       if (other == kStatic || is_immovable(other)) {
         const Matrix6 constraint_stiffness = constraint_stiffness_of(link, centre);
-        add(visited_[head].inertia, constraint_stiffness);
-        add(visited_[head].momentum,
-            product(constraint_stiffness, difference(visited_[head].mean, visited_[head].reference)));
-        if (other != kStatic)
-          add(visited_[head].momentum,
-              product(constraint_stiffness, at_point(off_mean(other), body(other).motion.pose.position - centre)));
+        Visited& held = visited_[head];
+        Vector6 given = difference(held.mean, held.reference);
+        if (other != kStatic) add(given, at_point(off_mean(other), body(other).motion.pose.position - centre));
+        add(held.inertia, constraint_stiffness);
+        add(held.momentum, product(constraint_stiffness, given));
       } else if (members[number_of(other)] == 0 && found_[number_of(other)] != search_ &&
                  visited_.size() < kMaxBodies && (link >= contacts_.size() || contacts_[link].touching())) {
         visit(other, head, link, centre);

@@ -1,7 +1,5 @@
 #include "rt/physics/border/border_solver.h"
 
-#include "rt/physics/border/work_limit.h"
-
 #include <algorithm>
 #include <limits>
 
@@ -250,13 +248,12 @@ void BorderSolver::take_back_work(Row& row, SolverBody<double>& body, const SymM
 }
 
 // Fills the rows' work in this sub-step.
-BorderSolver::Works BorderSolver::find_works(SolverBodies<double> bodies) noexcept {
+Works BorderSolver::find_works(SolverBodies<double> bodies) noexcept {
   Works works;
   for (Row& row : rows_) {
     if (!row.active) continue;
     row.sub_step_work = row.presses() ? work_of(row, bodies.motion[row.slot]) : 0.0;
-    works.given += std::max(0.0, row.sub_step_work);
-    works.sum += row.sub_step_work;
+    works.add(row.sub_step_work);
   }
   return works;
 }
@@ -264,9 +261,8 @@ BorderSolver::Works BorderSolver::find_works(SolverBodies<double> bodies) noexce
 // Limits the energy that rows put into members to what is left of the available energy. Rows that take energy out are
 // not reduced. Leaves the rows' work known.
 void BorderSolver::keep_within_tank(SolverBodies<double> bodies) noexcept {
-  const auto [given, sum] = find_works(bodies);
-  if (sum <= left_J() || !(given > 0.0)) return;
-  const double share = std::max(0.0, left_J()) / given;
+  const double share = share_kept(find_works(bodies), left_J());
+  if (!(share < 1.0)) return;
   for (Row& row : rows_) {
     if (!row.active) continue;
     SolverBody<double>& body = bodies.motion[row.slot];

@@ -15,6 +15,7 @@
 #include <span>
 
 #include "rt/physics/border/border_contact.h"
+#include "rt/physics/border/work_limit.h"
 #include "rt/physics/contact/contact_solver.h"
 #include "rt/physics/solver_body.h"
 
@@ -127,9 +128,6 @@ class BorderSolver {
   Vec3d impulse_of(const Row& row) const noexcept;
   double work_of(const Row& row, const SolverBody<double>& body) const noexcept;
   void take_back_work(Row& row, SolverBody<double>& body, const SymMat3d& inertia, double allowed) noexcept;
-  struct Works {
-    double given{}, sum{};  // J, of all rows in this sub-step: of those that are positive; of all
-  };
   Works find_works(SolverBodies<double> bodies) noexcept;
   void keep_within_tank(SolverBodies<double> bodies) noexcept;
   void solve_friction_point(Row& row, SolverBody<double>& body, const SymMat3d& inertia, const SweepRule<double>& rule,

@@ -1,4 +1,5 @@
-// Takes back part of an impulse that does more work on a body than it may.
+// Limits the work that impulses of rows do on bodies: the share of it that rows may keep, and how much of an impulse to
+// take back for that.
 //
 // An impulse J changes its point's velocity from v0 to v1, and does the work J . v, v = (v0 + v1) / 2. If the share x
 // of its part D is added, the velocity changes by x A D, A: the inverse effective mass, and the work is
@@ -10,6 +11,21 @@
 #include <cmath>
 
 namespace tactus::physics {
+
+// J, of all rows in a sub-step: of those that supply energy; of all.
+struct Works {
+  double given{}, sum{};
+
+  void add(double work) noexcept {
+    given += std::max(0.0, work);
+    sum += work;
+  }
+};
+
+// Share of their work that the rows which supply energy may keep, so that the sum is at most `left` [J]; 1 if it is.
+inline double share_kept(const Works& works, double left) noexcept {
+  return works.sum <= left || !(works.given > 0.0) ? 1.0 : std::max(0.0, left) / works.given;
+}
 
 // The share x of D to add, the root nearest 0 in [-1, 0] of W = the allowed work; -1 if there is none.
 // `slope`: D . v + J A D / 2 [J]; `square`: D A D [J]; `beyond`: J . v less the allowed work [J].

@@ -16,8 +16,8 @@ struct ContactPoint {
   Vec3d from_a, from_b;  // m, from the centres of A and B, world axes, at the start of the step
   double separation{};   // m, at the start of the step
   std::uint32_t feature{0};
-  bool redundant{
-      false};  // true: the solver leaves the point out (redundant_points.h, flush_seams.h); set in every step
+  // The solver leaves the point out (redundant_points.h, flush_seams.h); set in every step.
+  bool redundant{false};
   double normal_impulse{};        // N s, of the last sub-step
   double tangent_impulse[2]{};    // N s, of the last sub-step, along `tangents_of(normal)`
   double total_normal_impulse{};  // N s, over the step

@@ -1,7 +1,6 @@
 // Solves the rows of joints, sub-step by sub-step.
 #include <algorithm>
 
-#include "rt/physics/border/work_limit.h"
 #include "rt/physics/effects/joints.h"
 
 namespace tactus::physics {
@@ -289,9 +288,10 @@ void Joints::add_to_sums(StageContext& c, Row& row) const noexcept {
 void Joints::take_back_work(StageContext& c, Row& row, double allowed_J) noexcept {
   const double beyond = work_on_member(c, row) - allowed_J;
   const Side a = side(c, row, row.slot_a), b = side(c, row, row.slot_b);
-  const Side& member = row.slot_b != kOutside ? b : a;
+  const bool on_b = row.slot_b != kOutside;
+  const Side& member = on_b ? b : a;
   const auto [force, torque] = impulse_on_b(row);
-  const Vec3d turn = cross(row.slot_b != kOutside ? row.r_b : row.r_a, force) + torque;
+  const Vec3d turn = cross(on_b ? row.r_b : row.r_a, force) + torque;
   const double square =
       member.body.inverse_mass * dot(force, force) + dot(turn, member.inverse_inertia * turn);  // J A J
   const double share = share_taken_back(beyond + allowed_J + 0.5 * square, square, beyond);
@@ -299,24 +299,23 @@ void Joints::take_back_work(StageContext& c, Row& row, double allowed_J) noexcep
   row.now = (1.0 + share) * row.now;
 }
 
+Works Joints::find_works(const StageContext& c) const noexcept {
+  Works works;
+  for (const Row& row : rows_)
+    if (row.anchored) works.add(work_on_member(c, row));
+  return works;
+}
+
 void Joints::keep_within_tank(StageContext& c) noexcept {
   if (anchors_.empty()) return;
-  double given = 0, sum = 0;
-  for (const Row& row : rows_) {
-    if (!row.anchored) continue;
-    const double work = work_on_member(c, row);
-    given += std::max(0.0, work);
-    sum += work;
+  Works works = find_works(c);
+  if (const double share = share_kept(works, c.border_left_J); share < 1.0) {
+    for (Row& row : rows_)
+      if (const double work = row.anchored ? work_on_member(c, row) : 0.0; work > 0.0)
+        take_back_work(c, row, share * work);
+    works = find_works(c);
   }
-  c.border_joints_J = sum;
-  if (sum <= c.border_left_J || !(given > 0.0)) return;
-  const double share = std::max(0.0, c.border_left_J) / given;
-  for (Row& row : rows_)
-    if (const double work = row.anchored ? work_on_member(c, row) : 0.0; work > 0.0)
-      take_back_work(c, row, share * work);
-  c.border_joints_J = 0;
-  for (const Row& row : rows_)
-    if (row.anchored) c.border_joints_J += work_on_member(c, row);
+  c.border_joints_J = works.sum;
 }
 
 void Joints::warm_start(StageContext& c) noexcept {

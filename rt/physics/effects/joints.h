@@ -21,6 +21,7 @@
 #include <algorithm>
 
 #include "rt/physics/body_frame.h"
+#include "rt/physics/border/work_limit.h"
 #include "rt/physics/effects/joint.h"
 #include "rt/physics/effects/stage.h"
 
@@ -146,6 +147,7 @@ class Joints {
   Wrenchd impulse_on_b(const Row& row) const noexcept;  // N s, N m s, at B's frame, world
   double work_on_member(const StageContext& c, const Row& row) const noexcept;
   void take_back_work(StageContext& c, Row& row, double allowed_J) noexcept;
+  Works find_works(const StageContext& c) const noexcept;  // of the rows with a body of another world
   void add_to_sums(StageContext& c, Row& row) const noexcept;
 
   std::span<const Joint> joints_;
