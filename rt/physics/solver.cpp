@@ -28,7 +28,7 @@ Solver<S>::Solver(const Capacities& capacities, bool scripted)
       before_(capacities.bodies),
       pushed_(capacities.bodies),
       contacts_(capacities),
-      border_(capacities.border_contacts) {}
+      border_(capacities) {}
 
 template <class S>
 void Solver<S>::prepare(const SolverInput& input, StageContext& context) noexcept {
@@ -152,7 +152,7 @@ template <class S>
 void Solver<S>::sweep_relax(const SolverInput& input, const SweepRule<S>& rule, StageContext& context,
                             bool last) noexcept {
   run_stages(input, Phase::kRelax, context);
-  border_.solve(state(), rule, false);
+  border_.relax(state(), rule, last);
   contacts_.relax(state(), rule, context.settings.friction, last);
 }
 
@@ -161,7 +161,8 @@ void Solver<S>::store(const SolverInput& input, StageContext& context, std::uint
   context.factor = uncorrected > 1 ? 1.0 / static_cast<double>(uncorrected) : 1.0;
   contacts_.store(input.contacts, context.factor);
   run_stages(input, Phase::kFinish, context);  // joints' impulses on ghosts too
-  if constexpr (kIsWhole) border_.store(input.border, input.ghosts, context.settings.dt, context.factor);
+  if constexpr (kIsWhole)
+    border_.store(input.border, input.ghosts, input.bodies, motion_.span(), context.settings.dt, context.factor);
   for_each_body(input.executor, motion_.size(), [&](std::uint32_t i) noexcept {
     const SolverBody<S>& state = motion_[i];
     if (state.inverse_mass == S(0)) return;
@@ -234,7 +235,7 @@ void Solver<S>::step(const SolverInput& input, const StepSettings& settings, con
       run_stages(input, Phase::kWarmStart, context);
       contacts_.warm_start(state(), rule);
       run_stages(input, Phase::kBiased, context);
-      border_.solve(state(), rule, true);
+      border_.solve_biased(state(), rule);
       contacts_.solve_biased(state(), rule, friction_when_biased);
     } else {
       warm_start_without_gain(input, context);

@@ -47,14 +47,15 @@ struct SolverInput {
 // Takes the place of the border solver where S is narrower than double.
 template <class S>
 struct NoBorder {
-  explicit NoBorder(std::uint32_t) noexcept {}
+  explicit NoBorder(const Capacities&) noexcept {}
   void begin_sub_step(std::uint32_t, SolverBodies<S>) noexcept {}
   void count_joints(double) noexcept {}
   bool may_supply() const noexcept { return false; }
   double left_J() const noexcept { return 0.0; }
   void apply_replay(SolverBodies<S>) noexcept {}
   void warm_start(SolverBodies<S>) noexcept {}
-  void solve(SolverBodies<S>, const SweepRule<S>&, bool) noexcept {}
+  void solve_biased(SolverBodies<S>, const SweepRule<S>&) noexcept {}
+  void relax(SolverBodies<S>, const SweepRule<S>&, bool) noexcept {}
   void move_ghosts() noexcept {}
   void find_offsets(SolverBodies<S>) noexcept {}
   void end_sub_step(SolverBodies<S>) noexcept {}

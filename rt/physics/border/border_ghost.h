@@ -15,17 +15,20 @@
 namespace tactus::physics {
 
 // Change of a body's twist per impulse applied to it, both at its centre: symmetric, positive semidefinite.
-struct Admittance {
-  SymMat3d linear;   // m/s per N s
-  SymMat3d angular;  // rad/s per N m s
-  Vec3d crossed[3];  // row i: linear velocity i [m/s] per N m s; its transpose is rad/s per N s
+template <class T>
+struct AdmittanceOf {
+  SymMat3<T> linear;   // m/s per N s
+  SymMat3<T> angular;  // rad/s per N m s
+  Vec3<T> crossed[3];  // row i: linear velocity i [m/s] per N m s; its transpose is rad/s per N s
 
-  friend constexpr Twistd operator*(const Admittance& w, const Wrenchd& p) noexcept {
-    const Vec3d& f = p.force;
-    return {w.linear * f + Vec3d{dot(w.crossed[0], p.torque), dot(w.crossed[1], p.torque), dot(w.crossed[2], p.torque)},
-            w.angular * p.torque + f.x * w.crossed[0] + f.y * w.crossed[1] + f.z * w.crossed[2]};
+  friend constexpr Twist<T> operator*(const AdmittanceOf& w, const Wrench<T>& p) noexcept {
+    const Vec3<T>& f = p.force;
+    return {
+        w.linear * f + Vec3<T>{dot(w.crossed[0], p.torque), dot(w.crossed[1], p.torque), dot(w.crossed[2], p.torque)},
+        w.angular * p.torque + f.x * w.crossed[0] + f.y * w.crossed[1] + f.z * w.crossed[2]};
   }
 };
+using Admittance = AdmittanceOf<double>;
 
 struct BorderGhost {
   BodyId outside{kNoBody};
@@ -36,14 +39,15 @@ struct BorderGhost {
   Wrenchd total_impulse;  // N s, N m s about the centre: by the members, over the cycle
 };
 
-// A ghost during a step.
-struct GhostState {
-  BodyId outside{kNoBody};
-  Twistd velocity, before;  // now; before the warm start
-  Twistd drive;
+// A ghost during a step. The first twelve numbers are read in whole registers (ghost_row.cpp).
+struct alignas(32) GhostState {
+  Twistd velocity;
   Vec3d moved, turned;  // m, rad, since the start of the step
-  Wrenchd impulse;      // N s, N m s, over the step
+  Twistd before;        // before the warm start
+  Twistd drive;
+  Wrenchd impulse;  // N s, N m s, over the step
   Admittance admittance;
+  BodyId outside{kNoBody};
 };
 
 inline constexpr std::uint32_t kNoGhost = 0xffffffffu;

@@ -12,6 +12,22 @@
 
 namespace tactus::physics {
 
+// The energy that the border may put into members in a step.
+struct Allowance {
+  double available_J{};  // less the work of contacts so far; below 0: it must take that out first
+  double full_J{};       // with so much left and more, ghosts act as if nothing limited them
+  double by_joints_J{};  // what joints to outside bodies supplied; what they took is left for the next step
+  // Of this sub-step, by what was left at its start: in [0, 1]; at 0 the border only takes.
+  double supply{1.0};
+
+  double left_J() const noexcept { return available_J - by_joints_J; }
+  void count_joints(double joints_J) noexcept {
+    by_joints_J = std::max(0.0, joints_J);
+    supply = left_J() >= full_J ? 1.0 : left_J() / full_J;
+    if (!(left_J() > 0.0)) supply = 0.0;
+  }
+};
+
 // J, of all rows in a sub-step: of those that supply energy; of all.
 struct Works {
   double given{}, sum{};

@@ -3,16 +3,6 @@
 namespace tactus::physics {
 namespace {
 
-// An impulse and its moment about the plane's centre, or a change of the relative motion there, in blocks.
-template <class V>
-struct NormalPart {
-  V n{}, m1{}, m2{};
-};
-template <class V>
-struct TangentPart {
-  V t1{}, t2{}, mn{};
-};
-
 // Change of the gap by the bodies' motion since the start of the step: gap + x slope_1 + y slope_2.
 template <class V>
 struct GapChange {
@@ -55,81 +45,19 @@ TACTUS_INLINE void update_gaps(ContactRow<V>& c, const BodyLanes<V>& a, const Bo
     c.gap[i] = c.separation[i] + moved.gap + c.x[i] * moved.slope_1 + c.y[i] * moved.slope_2;
 }
 
-// Solves the normal rows, point after point. Returns the impulses added; on return `v` is the relative motion after
-// them.
-template <bool kBias, bool kTotals, class V>
-TACTUS_INLINE NormalPart<V> solve_normals(ContactRow<V>& c, NormalPart<V>& v, const SweepRule<LaneOf<V>>& rule,
-                                          bool backwards) noexcept {
-  const SymBlock<V>& w = c.w_normal;
-  const V zero(0), inverse_h(rule.inverse_h), slop(rule.slop), most_push(-rule.max_push_speed);
-  V mass_scale(rule.softness.mass_scale), impulse_scale(rule.softness.impulse_scale);
-  V bias_rate(rule.softness.mass_scale * rule.softness.bias_rate);
-  if (kBias && c.any_shared != 0) {
+// The softness of a contact's points in the biased sweep (softness.h).
+template <class V>
+TACTUS_INLINE PointSoftness<V> softness_of(const ContactRow<V>& c, const SweepRule<LaneOf<V>>& rule) noexcept {
+  PointSoftness<V> soft{V(rule.softness.mass_scale), V(rule.softness.impulse_scale),
+                        V(rule.softness.mass_scale * rule.softness.bias_rate), V(-rule.max_push_speed)};
+  if (c.any_shared != 0) {
     const auto shared = c.share > V(1);
-    const V whole = mass_scale + c.share * impulse_scale;
-    mass_scale = select(shared, mass_scale / whole, mass_scale);
-    impulse_scale = select(shared, c.share * impulse_scale / whole, impulse_scale);
-    bias_rate = select(shared, mass_scale * V(rule.softness.bias_rate), bias_rate);
+    const V whole = soft.mass_scale + c.share * soft.impulse_scale;
+    soft.mass_scale = select(shared, soft.mass_scale / whole, soft.mass_scale);
+    soft.impulse_scale = select(shared, c.share * soft.impulse_scale / whole, soft.impulse_scale);
+    soft.bias_rate = select(shared, soft.mass_scale * V(rule.softness.bias_rate), soft.bias_rate);
   }
-  NormalPart<V> sum;
-  for (std::uint32_t k = 0; k < c.points; ++k) {
-    const std::uint32_t i = backwards ? c.points - 1 - k : k;
-    const V x = c.x[i], y = c.y[i], last = c.normal_impulse[i];
-    const V s = c.gap[i];
-    const auto apart = s > zero;
-    V mass = c.normal_mass[i];
-    const V close = mass * (s * inverse_h);  // separated: may close the gap, no more
-    V keep;
-    if constexpr (kBias) {
-      const auto [push, leak] =
-          limited<V>({bias_rate * smaller(zero, s + slop), impulse_scale * last}, mass, most_push);
-      keep = last - select(apart, close, mass * push + leak);
-      mass = select(apart, mass, mass * mass_scale);
-    } else {
-      keep = last - select(apart, close, zero);
-    }
-    // Velocity change by a unit impulse at this point: W (1, y, -x).
-    const V by_n = w[0] + w[3] * y - w[4] * x, by_1 = w[3] + w[1] * y - w[5] * x, by_2 = w[4] + w[5] * y - w[2] * x;
-    const V next = larger(zero, keep - mass * (v.n + (y * v.m1 - x * v.m2)));
-    const V change = next - last;
-    c.normal_impulse[i] = next;
-    v.n += by_n * change;
-    v.m1 += by_1 * change;
-    v.m2 += by_2 * change;
-    sum.n += change;
-    sum.m1 += y * change;
-    sum.m2 -= x * change;
-    if constexpr (kTotals) c.total_normal_impulse[i] += next;
-  }
-  return sum;
-}
-
-// Solves the friction rows, point after point, each within the disk of its own normal impulse.
-template <bool kTotals, class V>
-TACTUS_INLINE TangentPart<V> solve_friction(ContactRow<V>& c, TangentPart<V> v, bool backwards) noexcept {
-  const SymBlock<V>& w = c.w_tangent;
-  TangentPart<V> sum;
-  for (std::uint32_t k = 0; k < c.points; ++k) {
-    const std::uint32_t i = backwards ? c.points - 1 - k : k;
-    const V x = c.x[i], y = c.y[i], mass = c.tangent_mass[i];
-    const V last_1 = c.tangent_impulse[0][i], last_2 = c.tangent_impulse[1][i];
-    V next_1 = last_1 - mass * (v.t1 - y * v.mn), next_2 = last_2 - mass * (v.t2 + x * v.mn);
-    clamp_to_disk(next_1, next_2, c.friction * c.normal_impulse[i]);
-    const V f1 = next_1 - last_1, f2 = next_2 - last_2, m = x * f2 - y * f1;
-    c.tangent_impulse[0][i] = next_1;
-    c.tangent_impulse[1][i] = next_2;
-    v.t1 += w[0] * f1 + w[3] * f2 + w[4] * m;
-    v.t2 += w[3] * f1 + w[1] * f2 + w[5] * m;
-    v.mn += w[4] * f1 + w[5] * f2 + w[2] * m;
-    sum.t1 += f1;
-    sum.t2 += f2;
-    sum.mn += m;
-    if constexpr (kTotals) {
-      c.total_tangent_impulse[0][i] += next_1;
-      c.total_tangent_impulse[1][i] += next_2;
-    }
-  }
-  return sum;
+  return soft;
 }
 
 // Clamps the friction of the lanes in `which` to the disks of normal impulses that have just become smaller.
@@ -205,13 +133,10 @@ void fill_mobility(ContactRow<V>& c) noexcept {
     const Vec3<V> w_a = c.inverse_inertia_a * (cross(c.c_a, p) + m), w_b = c.inverse_inertia_b * (cross(c.c_b, p) + m);
     return Answer{(c.inverse_mass_a + c.inverse_mass_b) * p + cross(w_a, c.c_a) + cross(w_b, c.c_b), w_a + w_b};
   };
-  const Vec3<V> none;
-  const Answer n = answer_of(c.n, none), m1 = answer_of(none, c.t1), m2 = answer_of(none, c.t2);
-  const Answer t1 = answer_of(c.t1, none), t2 = answer_of(c.t2, none), mn = answer_of(none, c.n);
-  c.w_normal = {dot(n.v, c.n), dot(m1.w, c.t1), dot(m2.w, c.t2), dot(m1.v, c.n), dot(m2.v, c.n), dot(m2.w, c.t1)};
-  c.w_tangent = {dot(t1.v, c.t1), dot(t2.v, c.t2), dot(mn.w, c.n), dot(t2.v, c.t1), dot(mn.v, c.t1), dot(mn.v, c.t2)};
-  c.w_cross = {dot(n.v, c.t1),  dot(m1.v, c.t1), dot(m2.v, c.t1), dot(n.v, c.t2), dot(m1.v, c.t2),
-               dot(m2.v, c.t2), dot(n.w, c.n),   dot(m1.w, c.n),  dot(m2.w, c.n)};
+  const Mobility<V> w = mobility_of(c.n, c.t1, c.t2, answer_of);
+  c.w_normal = w.normal;
+  c.w_tangent = w.tangent;
+  c.w_cross = w.cross;
 }
 
 // `v` rotated by `angle` [rad] about the unit vector `n`, by Cayley's formula with tan(angle / 2) = angle / 2: exact in
@@ -298,8 +223,7 @@ void complete(ContactRow<V>& c) noexcept {
   c.t1 = t1;
   c.t2 = t2;
   fill_mobility(c);
-  const SymBlock<V>&w = c.w_normal, &k = c.w_tangent;
-  const V two(2), zero(0);
+  const V zero(0);
   for (std::uint32_t i = 0; i < c.points; ++i) {
     const Vec3<V> place{c.total_normal_impulse[i], c.total_tangent_impulse[0][i], c.total_tangent_impulse[1][i]};
     const V x = dot(place, c.t1), y = dot(place, c.t2);
@@ -307,33 +231,17 @@ void complete(ContactRow<V>& c) noexcept {
     c.x[i] = x;
     c.y[i] = y;
     c.gap[i] = c.separation[i];
-    c.normal_mass[i] = select(
-        there, invert_or_zero(w[0] + y * y * w[1] + x * x * w[2] + two * (y * w[3] - x * w[4] - x * y * w[5])), zero);
-    c.tangent_mass[i] =
-        select(there,
-               tangent_mass_of(k[0] - two * y * k[4] + y * y * k[2], k[1] + two * x * k[5] + x * x * k[2],
-                               k[3] + x * k[4] - y * k[5] - x * y * k[2]),
-               zero);
+    c.normal_mass[i] = select(there, invert_or_zero(normal_mobility(c.w_normal, x, y)), zero);
+    c.tangent_mass[i] = select(there, tangent_mass_at(c.w_tangent, x, y), zero);
     c.total_normal_impulse[i] = c.total_tangent_impulse[0][i] = c.total_tangent_impulse[1][i] = zero;
   }
 }
 
 template <bool kFixed, class V>
 void warm_start(const ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies) noexcept {
-  NormalPart<V> pressed;
-  TangentPart<V> rubbed;
-  for (std::uint32_t i = 0; i < c.points; ++i) {
-    const V x = c.x[i], y = c.y[i], f = c.normal_impulse[i], f1 = c.tangent_impulse[0][i], f2 = c.tangent_impulse[1][i];
-    pressed.n += f;
-    pressed.m1 += y * f;
-    pressed.m2 -= x * f;
-    rubbed.t1 += f1;
-    rubbed.t2 += f2;
-    rubbed.mn += x * f2 - y * f1;
-  }
+  const PointSum<V> sum = sum_of_points<V>(c);
   auto [a, b] = gather<kFixed, false>(c, bodies);
-  apply<kFixed>(c, a, b, pressed.n * c.n + rubbed.t1 * c.t1 + rubbed.t2 * c.t2,
-                pressed.m1 * c.t1 + pressed.m2 * c.t2 + rubbed.mn * c.n);
+  apply<kFixed>(c, a, b, sum.impulse(c.n, c.t1, c.t2), sum.moment(c.n, c.t1, c.t2));
   scatter<kFixed>(c, bodies, a, b);
 }
 
@@ -352,12 +260,16 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   const std::array<V, 9>& k = c.w_cross;
   TangentPart<V> held;
   if constexpr (kBias && kFriction) {
-    held = solve_friction<false>(c, {dot(c.t1, v), dot(c.t2, v), dot(c.n, w)}, order.friction_backwards);
+    held = solve_friction<false>(c, TangentPart<V>{dot(c.t1, v), dot(c.t2, v), dot(c.n, w)}, order.friction_backwards);
     normal_motion.n += k[0] * held.t1 + k[3] * held.t2 + k[6] * held.mn;
     normal_motion.m1 += k[1] * held.t1 + k[4] * held.t2 + k[7] * held.mn;
     normal_motion.m2 += k[2] * held.t1 + k[5] * held.t2 + k[8] * held.mn;
   }
-  const NormalPart<V> pressed = solve_normals<kBias, kTotals>(c, normal_motion, rule, order.normals_backwards);
+  PointSoftness<V> soft;
+  if constexpr (kBias) soft = softness_of(c, rule);
+  const NormalPart<V> pressed =
+      solve_normals<kBias, kTotals>(c, normal_motion, rule, order.normals_backwards,
+                                    [&](std::uint32_t) noexcept -> const PointSoftness<V>& { return soft; });
   Vec3<V> p = pressed.n * c.n, m = pressed.m1 * c.t1 + pressed.m2 * c.t2;
   if constexpr (kBias && kFriction) {
     p += held.t1 * c.t1 + held.t2 * c.t2;
@@ -366,9 +278,9 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   if constexpr (kFriction && !kBias) {
     const TangentPart<V> rubbed =
         solve_friction<kTotals>(c,
-                                {dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
-                                 dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
-                                 dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2},
+                                TangentPart<V>{dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
+                                               dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
+                                               dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2},
                                 order.friction_backwards);
     p += rubbed.t1 * c.t1 + rubbed.t2 * c.t2;
     m += rubbed.mn * c.n;

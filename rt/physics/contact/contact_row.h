@@ -45,14 +45,10 @@
 
 #include "rt/physics/contact/body_lanes.h"
 #include "rt/physics/contact/contact.h"
-#include "rt/physics/contact/softness.h"
+#include "rt/physics/contact/row_points.h"
 #include "rt/physics/step.h"
 
 namespace tactus::physics {
-
-// Blocks of W: symmetric 3 x 3 in the order 00 11 22 01 02 12.
-template <class V>
-using SymBlock = std::array<V, 6>;
 
 // In memory order: what every sweep reads, then what only friction needs, then the totals of the step.
 template <class V>

@@ -8,7 +8,7 @@
 // A joint with a body of another world acts on that body's ghost, which responds by its admittance (border_ghost.h).
 // Without a ghost it acts on an anchor, which moves with the body's last known velocity.
 // Against a ghost the stiffness is that of a joint of the two bodies alone, independent of what moves with the outside
-// body, as for a border contact (border_solver.h). With A = J W J^T of body and ghost and A' that of the two bodies,
+// body, as for a border contact (ghost_row.h). With A = J W J^T of body and ghost and A' that of the two bodies,
 // the biased sweep solves (A + A' / a2) dp = -(u + rate error + A' / a2 p), a2 of softness.h. With A in place of A', a
 // ghost of large apparent inertia makes the joint up to twice as stiff as in the global world: a hanging body is lifted
 // by half of its sag in each cycle and returned at each synchronisation (tests/border/hanging.toml: 2.7 um of 6), and a
