@@ -43,10 +43,11 @@ Kind kind_of(OutputKind kind) {
   return {};
 }
 
-// The first line of a table has names and commas; that of a scene or a configuration does not.
+// The first line of a table has names, with units in brackets, and commas; that of a scene or a configuration does not.
 bool begins_as_table(std::string_view text) {
   const std::string_view line = text.substr(0, text.find('\n'));
-  return line.find(',') != std::string_view::npos && line.find_first_of("=[]{}<>#") == std::string_view::npos &&
+  return line.find(',') != std::string_view::npos && !line.starts_with('[') &&
+         line.find_first_of("={}<>#") == std::string_view::npos &&
          std::none_of(line.begin(), line.end(), [](char c) { return static_cast<signed char>(c) < 9 || c == 127; });
 }
 

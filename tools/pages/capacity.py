@@ -92,8 +92,9 @@ def load_figure(data, page):
 def capacity_page(data, page, what):
     page.answer(answer(data))
     page.text("A heap of cubes, all awake, that the hand's proxy stirs. Sustained: 99 of 100 ticks compute for less than the "
-              "tick, and 9 of 10 global steps for less than their <i>ratio</i> ticks. CPU time of one thread, the least of up to "
-              f"{data['runs']} identical runs; the sub-world has at most {data['members']} members.")
+              "tick, and 9 of 10 global steps for less than their <i>ratio</i> ticks. CPU time, the least of up to "
+              f"{data['runs']} identical runs, the global world {'on a core of its own' if data.get('two_cores') else 'on the same core'}; "
+              f"the sub-world has at most {data['members']} members.")
     mine = [r for r in data["rows"] if all(r[key] == TARGET[key] for key in ("coupling", "rate_Hz", "ratio"))]
     if mine:
         row = mine[0]

@@ -81,15 +81,21 @@ void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTra
   outside_velocity_.clear();
   if (traits.ghosts) renew_ghosts(snapshot, ghosts);
   std::uint32_t hint = 0;
+  const physics::Body* member = nullptr;
+  std::uint32_t ghost = physics::kNoGhost;
   for (const BorderPoint& point : snapshot.border) {
-    const physics::Body* member = world.find(point.member);
+    if (member == nullptr || member->id != point.member) member = world.find(point.member);
     if (member == nullptr) continue;
     BorderContact contact = contact_at(point, member->motion.pose);
     if (traits.ghosts && point.impulse_rate_N > 0)
       start_as_global(point, sub_step_s, contact);
     else
       warm_start(replaced_.span(), hint, contact);
-    if (traits.ghosts) contact.ghost = physics::find_ghost(ghosts.span(), point.outside);
+    if (traits.ghosts) {
+      if (ghost == physics::kNoGhost || ghosts[ghost].outside != point.outside)
+        ghost = physics::find_ghost(ghosts.span(), point.outside);
+      contact.ghost = ghost;
+    }
     if (contact.ghost != physics::kNoGhost && point.outside_round_m > 0.0) {
       contact.ghost_round = point.outside_round_m;
       contact.ghost_centre = point.outside_point - point.outside_round_m * point.normal - ghosts[contact.ghost].centre;

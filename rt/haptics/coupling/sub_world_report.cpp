@@ -48,8 +48,9 @@ void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& rep
 }
 
 void SubWorld::report_border(SubWorldReport& report) const noexcept {
+  const physics::Body* member = nullptr;
   for (const auto& contact : world_.border_contacts()) {
-    const physics::Body* member = world_.find(contact.member);
+    if (member == nullptr || member->id != contact.member) member = world_.find(contact.member);
     if (member == nullptr) continue;
     const Posed& pose = member->motion.pose;
     const BorderReturn entry{.member = contact.member,

@@ -24,6 +24,7 @@ struct Example {
 // As each is written.
 const Example kOwn[] = {{OutputKind::kTape, std::string("TACTAPE\0\x10", 9)},
                         {OutputKind::kCsv, "tick,time_s,force_x_N\n0,0,0\n"},
+                        {OutputKind::kCsv, "coupling,rate [Hz],tick_p50 [us]\nsub-world,1000,40\n"},
                         {OutputKind::kHdf5, "\x89HDF\r\n\x1a\n"},
                         {OutputKind::kSvg, "<svg xmlns=\"http://www.w3.org/2000/svg\">"},
                         {OutputKind::kPage, "<!doctype html><html lang=\"en\">"},

@@ -96,7 +96,8 @@ double top_below(const CoupledWorlds& worlds, const Vec3d& proxy) {
 
 // Times of one heap, over its runs.
 struct HeapTimes {
-  std::vector<std::vector<double>> ticks_us, steps_us;
+  OtherCore& of_global_world;
+  std::vector<std::vector<double>> ticks_us{}, steps_us{};
 };
 
 // Runs the heap once more. Returns the point for the minimum times so far.
@@ -122,7 +123,7 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
     if (k == rest) start.z = top_below(worlds, start) + kProxyRadius_m;
     haptics::DeviceTarget target{true, {start, {}}, {}};
     if (k >= rest) target = stir(start, (k - rest) / point.rate_Hz);
-    const TickCpuTimes taken = timed_tick(worlds, target);
+    const TickCpuTimes taken = timed_tick(worlds, target, &times.of_global_world);
     if (k >= settle && taken.global_us) steps_us.push_back(*taken.global_us);
     if (k >= settle) ticks_us.push_back(taken.haptic_us);
     point.contact_points = point.scheme.direct() ? worlds.last().report.points : worlds.global()->statistics().points;
@@ -158,8 +159,10 @@ Bracket find_capacity(unsigned least, unsigned most, const std::function<bool(un
 }
 
 Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progress& progress) {
+  OtherCore of_global_world;
   settle_on_core();
   CapacityReport report;
+  report.two_cores = of_global_world.there();
   report.members = request.members;
   report.runs = request.runs;
   // Each search counts as equal work: most of its time goes into its largest heaps.
@@ -184,7 +187,7 @@ Result<CapacityReport> run_capacity(const CapacityRequest& request, const Progre
           point.scheme = scheme;
           point.rate_Hz = rate_Hz;
           point.bodies = bodies;
-          HeapTimes times;
+          HeapTimes times{of_global_world};
           while (times.ticks_us.size() < request.runs) {
             const auto timed = time_heap(request, point, times);
             if (!timed.ok()) failed = timed.status();

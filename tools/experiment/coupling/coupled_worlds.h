@@ -15,6 +15,7 @@
 #include "rt/haptics/coupling/sub_world.h"
 #include "sim/global_world.h"
 #include "sim/snapshot_server.h"
+#include "tools/experiment/timing.h"
 #include "tools/session/run_options.h"
 
 namespace tactus::experiment {
@@ -98,6 +99,8 @@ struct TickCpuTimes {
   double haptic_us{0};
   std::optional<double> global_us;
 };
-TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target);
+// `of_global_world`: the core on which that is computed; none: this one.
+TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target,
+                        OtherCore* of_global_world = nullptr);
 
 }  // namespace tactus::experiment

@@ -20,7 +20,7 @@ TEST_CASE("A capacity below the smallest heap is none, one beyond the largest ha
   CHECK(all.too_many == 0);
 }
 
-TEST_CASE("Every heap that is timed is there, with its contacts and its budget") {
+TEST_CASE("Every heap that is timed is there, with its contacts and its budget", "[threads]") {
   CapacityRequest request;
   request.rates_Hz = {1000};
   request.ratios = {10};
