@@ -71,8 +71,7 @@ double OtherCore::time_us(std::function<void()> work) {
   work_ = std::move(work);
   begin_.release();
   // Without rest: a core that halts meanwhile is cold when it goes on.
-  while (!done_.try_acquire()) {
-  }
+  while (!done_.try_acquire()) {}
   return took_us_;
 }
 
