@@ -1,5 +1,6 @@
 // The kernels of sphere and capsule against a hull. The hull is B; they work in its frame and transform the result.
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "rt/physics/collision/collide_hull.h"
@@ -52,11 +53,16 @@ struct Nearest {
   }
 };
 
-// Exact: the nearest point of an axis outside the hull is at one of its ends or over an edge.
-Nearest nearest_outside(const CapsuleHull& c) noexcept {
+using FaceMarks = std::array<bool, kMaxHullFaces>;
+
+// Exact: the nearest point of an axis outside the hull is at one of its ends or over an edge. There the way from the
+// hull to the axis is a sum of the normals of the edge's two faces with shares of 0 and more, so the point of the axis
+// is above one of them; and a point of the axis is above a face only if one of its ends is.
+Nearest nearest_outside(const CapsuleHull& c, const FaceMarks& above) noexcept {
   Nearest nearest;
   for (std::uint32_t e = 0; e < c.hull.topology->edges; ++e) {
     const HullEdge& edge = c.hull.topology->edge[e];
+    if (!above[edge.left] && !above[edge.right]) continue;
     const Vec3d from = c.hull.vertex(edge.from), to = c.hull.vertex(edge.to);
     const Vec3d half = 0.5 * (to - from), middle = 0.5 * (from + to);
     const auto [s, t] = closest_on_segments(c.half, half, middle - c.centre);
@@ -207,13 +213,15 @@ void collide_capsule_hull(const PairView& pair, const HullView& hull, Manifold& 
                       .half = rotate_inverse(pair.world_from_b, capsule_half_axis(pair.a, pair.world_from_a)),
                       .radius = pair.a.radius};
   LineRange inside;
+  FaceMarks above;
   for (std::uint32_t f = 0; f < hull.topology->faces; ++f) {
     const double middle = dot(hull.normal(f), c.centre) - hull.offsets[f], slope = dot(hull.normal(f), c.half);
     if (!(middle - std::abs(slope) - c.radius <= pair.margin)) return;
     cut_range(inside, middle, slope);
+    above[f] = middle + std::abs(slope) > 0.0;
   }
   if (!inside.empty()) return collide_inside(c, manifold, inside);
-  const Nearest nearest = nearest_outside(c);
+  const Nearest nearest = nearest_outside(c, above);
   const double distance = std::sqrt(nearest.squared);
   if (!(distance - c.radius <= pair.margin)) return;
   if (distance > kNoDirection) return collide_outside(c, manifold, nearest, distance);
