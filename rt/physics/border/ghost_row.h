@@ -9,10 +9,11 @@
 // x A' / a2, and correct their overlap more slowly, at x times the rate, so that a load rests at the same depth; and
 // where the ghost approaches, its speed along the normal counts x times. At 0 an overlap stays, and the ghost counts as
 // at rest. With a switch from one to the other instead, a body of 1000 kg that came to rest while the two worlds'
-// borders ran out in different sub-steps was set down up to 0.2 mm beside: 6 of 32 runs of tests/border/thousand.toml
-// with small changes were off by 13 to 30 % of the force, none since (2026-11-30; with 0.1 mJ in place of full_J = 10
-// mJ 4, with 1 mJ 1). Frame: world; normal from the ghost to the member. Units: SI. Thread: [rt]. Bound:
-// kMaxManifoldPoints points.
+// borders ran out in different sub-steps was set down up to 0.2 mm beside: 7 of 32 runs of tests/border/thousand.toml
+// with small changes were off by 21 to 26 % of the force, none by more than 1.7 % since (2026-11-30). Allowance::full_J
+// is 10 mJ there; with 1 mJ one is off by 2.4 %, with 0.1 mJ two by 19 and 30 %.
+//
+// Frame: world; normal from the ghost to the member. Units: SI. Thread: [rt]. Bound: kMaxManifoldPoints points.
 #pragma once
 
 #include <span>
@@ -29,17 +30,19 @@ struct alignas(64) GhostRow {
   static constexpr int kWidth = kLanes<V>;
   using Lanes = std::uint32_t[kWidth];
 
-  Lanes member, ghost;         // slot; index of the ghost
-  Lanes first, count;          // the contact's points among the border contacts
-  std::uint32_t used{};        // lanes with a contact
-  std::uint32_t points{};      // largest number of points of a lane
-  bool slow{}, any_round{};    // swept twice; a lane's member is touched on a ball
-  Vec3<V> n, t1, t2;           //
-  Vec3<V> c_member, c_ghost;   // m, the plane's centre from the bodies' centres
-  V inverse_mass;              // of the member
-  SymMat3<V> inverse_inertia;  //
+  Lanes member, ghost;       // slot; index of the ghost
+  Lanes first, count;        // the contact's points among the border contacts
+  std::uint32_t used{};      // lanes with a contact
+  std::uint32_t points{};    // largest number of points of a lane
+  bool slow{}, any_round{};  // swept twice; a lane's member is touched on a ball
+  V inverse_mass;            // of the member, as the next
+  SymMat3<V> inverse_inertia;
   AdmittanceOf<V> admittance;  // of the ghost
-  SymBlock<V> w_normal;        // as in ContactRow, as all up to the totals
+  Vec3<V> c_member, c_ghost;   // m, the plane's centre from the bodies' centres, at the start of the step
+
+  // As in ContactRow, but for `mass_scale`.
+  Vec3<V> n, t1, t2;
+  SymBlock<V> w_normal;
   V x[kPoints], y[kPoints];
   V separation[kPoints], gap[kPoints];
   V mass_scale[kPoints];  // of the biased sweep: 1 / (1 + A' / (A a2))
@@ -49,6 +52,7 @@ struct alignas(64) GhostRow {
   V friction;
   V tangent_mass[kPoints], tangent_impulse[2][kPoints];
   V total_normal_impulse[kPoints], total_tangent_impulse[2][kPoints];
+
   V member_share;                           // the member's part of A: the largest of the points
   V round;                                  // m, from the member's points back to the centre of a ball; else 0
   Vec3<V> start_v, start_w;                 // m/s, rad/s: of the member at the start of the sub-step
