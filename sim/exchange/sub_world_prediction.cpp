@@ -63,7 +63,9 @@ void SubWorldPrediction::fill_corrections(const physics::World& global, WorldSna
 
 std::span<const OutsideImpulse> SubWorldPrediction::not_predicted(const SubWorldReport& report) noexcept {
   beyond_.clear();
-  if (report.ticks != report_.ticks || !(report.border_tank_J + sub_world_.border_credit_J() > 0.0)) return {};
+  const double initial_J = physics::traits_of(sub_world_.config().border_mode).tank_at_start_J;
+  const double available_J = report.border_tank_J + sub_world_.border_credit_J();
+  if (report.ticks != report_.ticks || physics::is_empty(available_J, initial_J)) return {};
   for (const OutsideImpulse& given : report.outside) {
     const auto predicted = std::lower_bound(report_.outside.begin(), report_.outside.end(), given.id,
                                             [](const OutsideImpulse& p, BodyId id) { return p.id < id; });

@@ -10,12 +10,15 @@
 // correction (rt/physics/push_out.h), which W_global contains, too: what rests on a border that gives way loses
 // potential energy without moving at the end of any sub-step.
 //
-// In a sub-step contacts and joints supply at most what is available (keep_within_tank of BorderSolver and Joints);
-// with nothing available they only take energy. What is settled at the synchronisation, and outside bodies that take
-// energy, may exceed it: the excess is owed and repaid first. Outside bodies in motion do work on members, which the
-// balance knows only at the end of the cycle. So the border may owe kCreditShare of their kinetic energy K
-// (WorldSnapshot::outside_motion_J). That is bounded, too: if G is what border and corrections supplied beyond the
-// outside bodies' work, E_0 the initial amount and K_0 the kinetic energy without G, K is at most K_0 + G, so
+// In a sub-step contacts and joints supply at most what is available (BorderSolver, Joints::keep_within_tank);
+// with nothing available they only take energy. Below 1 % of the initial amount the tank counts as empty
+// (physics::is_empty).
+//
+// What is settled at the synchronisation, and outside bodies that take energy, may exceed it: the excess is owed and
+// repaid first. Outside bodies in motion do work on members, which the balance knows only at the end of the cycle. So
+// the border may owe kCreditShare of their kinetic energy K (WorldSnapshot::outside_motion_J). That is bounded, too: if
+// G is what border and corrections supplied beyond the outside bodies' work, E_0 the initial amount and K_0 the kinetic
+// energy without G, K is at most K_0 + G, so
 //   G <= E_0 + kCreditShare (K_0 + G) <= (E_0 + kCreditShare K_0) / (1 - kCreditShare)
 // What the damper between device and proxy takes, and what members dissipate between them by friction, in contacts and
 // joints (SubWorld::note_dissipation), fills the tank up to the initial amount: else a balance that is a little short
@@ -26,6 +29,8 @@
 #pragma once
 
 #include <algorithm>
+
+#include "rt/physics/border/work_limit.h"
 
 namespace tactus::haptics {
 
@@ -59,7 +64,7 @@ struct BorderTank {
   // Once a cycle, when all of it is settled. Within a cycle the energy of an impact may be on one side of the balance
   // only.
   void keep_capacity() noexcept { stored_J = std::min(stored_J, kMaxStored_J); }
-  bool empty() const noexcept { return !(available_J() > 0); }
+  bool empty(double initial_J) const noexcept { return physics::is_empty(available_J(), initial_J); }
 };
 
 }  // namespace tactus::haptics

@@ -278,7 +278,7 @@ physics::StepReport SubWorld::step_world(const physics::StepSettings& settings, 
     state_.push_out_J += report.push_out_J;
     state_.cycle_push_out_J += report.push_out_J;
     const bool has_border = !world_.border_contacts().empty() || !world_.border_ghosts().empty();
-    if (has_border && state_.tank.empty()) result.status |= kBorderSpent;
+    if (has_border && state_.tank.empty(border_.tank_at_start_J)) result.status |= kBorderSpent;
   }
   if (report.capacity_bits != 0) result.status |= kCapacityExceeded;
   if (report.cut_sweep != physics::kNeverCut) result.status |= kSolverCut;

@@ -12,6 +12,12 @@
 
 namespace tactus::physics {
 
+// A border with less than this share of its initial energy counts as one that has nothing left: what is left approaches
+// 0 and does not reach it, since ghosts act less and less (ghost_row.h).
+inline constexpr double kEmptyShare = 0.01;
+
+constexpr bool is_empty(double left_J, double full_J) noexcept { return !(left_J > kEmptyShare * full_J); }
+
 // The energy that the border may put into members in a step.
 struct Allowance {
   double available_J{};  // less the work of contacts so far; below 0: it must take that out first
@@ -23,8 +29,7 @@ struct Allowance {
   double left_J() const noexcept { return available_J - by_joints_J; }
   void count_joints(double joints_J) noexcept {
     by_joints_J = std::max(0.0, joints_J);
-    supply = left_J() >= full_J ? 1.0 : left_J() / full_J;
-    if (!(left_J() > 0.0)) supply = 0.0;
+    supply = left_J() > 0.0 ? std::min(1.0, left_J() / full_J) : 0.0;
   }
 };
 

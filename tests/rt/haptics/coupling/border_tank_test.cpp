@@ -38,11 +38,11 @@ TEST_CASE("What goes beyond what is available is owed, and paid before anything 
   BorderTank tank;
   tank.start(0.01);
   tank.settle(-0.03);
-  CHECK(tank.empty());
+  CHECK(tank.empty(0.01));
   CHECK(tank.owed_J == Approx(0.02));
   CHECK(tank.available_J() == Approx(-0.02));
   tank.settle(0.015);
-  CHECK(tank.empty());
+  CHECK(tank.empty(0.01));
   tank.settle(0.015);
   CHECK(tank.stored_J == Approx(0.01));
   CHECK(tank.owed_J == 0);
@@ -54,9 +54,9 @@ TEST_CASE("A share of the outside bodies' kinetic energy may be owed, and stays 
   tank.lend(0.4);
   CHECK(tank.available_J() == Approx(0.01 + 0.4 * BorderTank::kCreditShare));
   tank.settle(-0.1);
-  CHECK(!tank.empty());
+  CHECK(!tank.empty(0.01));
   tank.lend(0);
-  CHECK(tank.empty());
+  CHECK(tank.empty(0.01));
   CHECK(tank.available_J() == Approx(-0.09));
 }
 

@@ -102,13 +102,17 @@ TEST_CASE(
   const double left = GENERATE(1.0, 0.5, 0.05, 0.0);
   PhysicsBench bench = bench_for(4, 8);
   add_pair(bench, 1, 1e9, {});
-  const auto& contact = bench.world.border_contacts()[0];
+  const auto contacts = bench.world.border_contacts().span();
   for (int k = 0; k < 3000; ++k) {
     bench.world.border_ghosts()[0].velocity = {};
     bench.world.border_rule.available_J = left * traits_of(BorderMode::kGhost).tank_at_start_J;
     bench.step();
   }
   const double depth = left > 0 ? bench.overlap_under(kMass * 9.81, test::cube_face_mass(kMass, kHalf, true)) : 0.0;
-  CHECK(contact.gap == Approx(-depth).epsilon(0.02).margin(1e-8));
-  CHECK(contact.step_normal_impulse == Approx(kMass * 9.81 / 4 * bench.settings.dt).epsilon(1e-4));
+  double carried = 0;
+  for (const BorderContact& contact : contacts) {
+    CHECK(contact.gap == Approx(-depth).epsilon(0.02).margin(1e-6));
+    carried += contact.step_normal_impulse;
+  }
+  CHECK(carried == Approx(kMass * 9.81 * bench.settings.dt).epsilon(1e-4));
 }
