@@ -127,6 +127,27 @@ struct SymMat3 {
   static constexpr SymMat3 identity(T s) noexcept { return {s, s, s, T(0), T(0), T(0)}; }
 };
 
+// One lane.
+template <class V>
+TACTUS_INLINE void set_lane(Vec3<V>& to, int lane, const Vec3<LaneOf<V>>& from) noexcept {
+  set_lane(to.x, lane, from.x);
+  set_lane(to.y, lane, from.y);
+  set_lane(to.z, lane, from.z);
+}
+template <class V>
+TACTUS_INLINE void set_lane(SymMat3<V>& to, int lane, const SymMat3<LaneOf<V>>& from) noexcept {
+  set_lane(to.xx, lane, from.xx);
+  set_lane(to.yy, lane, from.yy);
+  set_lane(to.zz, lane, from.zz);
+  set_lane(to.xy, lane, from.xy);
+  set_lane(to.xz, lane, from.xz);
+  set_lane(to.yz, lane, from.yz);
+}
+template <class V>
+TACTUS_INLINE Vec3<LaneOf<V>> lane_of(const Vec3<V>& from, int lane) noexcept {
+  return {lane_of(from.x, lane), lane_of(from.y, lane), lane_of(from.z, lane)};
+}
+
 // Inverse of a positive definite matrix; zero if the determinant is not positive.
 template <class T>
 constexpr SymMat3<T> inverse(const SymMat3<T>& m) noexcept {

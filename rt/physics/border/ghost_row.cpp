@@ -127,13 +127,7 @@ void solve(GhostRow& c, const SolverBodies<double>& bodies, std::span<GhostState
   const NormalPart<V> pressed = solve_normals<kBias>(c, sides, motion, rule, supply);
   Vec3<V> p = pressed.n * c.n, m = pressed.m1 * c.t1 + pressed.m2 * c.t2;
   if constexpr (kFriction) {
-    const std::array<V, 9>& k = c.w_cross;
-    const TangentPart<V> rubbed =
-        solve_friction<false>(c,
-                              TangentPart<V>{dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
-                                             dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
-                                             dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2},
-                              true);
+    const TangentPart<V> rubbed = solve_friction<false>(c, tangent_motion_after(c, v, w, pressed), true);
     p += rubbed.t1 * c.t1 + rubbed.t2 * c.t2;
     m += rubbed.mn * c.n;
   }
@@ -164,44 +158,24 @@ void take_back(GhostRow& c, std::uint32_t i, Sides& sides, V allowed, bool all) 
   c.tangent_impulse[1][i] *= kept;
 }
 
-TACTUS_INLINE void set(Vec3<V>& to, int lane, const Vec3d& from) noexcept {
-  set_lane(to.x, lane, from.x);
-  set_lane(to.y, lane, from.y);
-  set_lane(to.z, lane, from.z);
-}
-TACTUS_INLINE void set(SymMat3<V>& to, int lane, const SymMat3d& from) noexcept {
-  set_lane(to.xx, lane, from.xx);
-  set_lane(to.yy, lane, from.yy);
-  set_lane(to.zz, lane, from.zz);
-  set_lane(to.xy, lane, from.xy);
-  set_lane(to.xz, lane, from.xz);
-  set_lane(to.yz, lane, from.yz);
-}
-
-TACTUS_INLINE Vec3d get(const Vec3<V>& from, int lane) noexcept {
-  return {lane_of(from.x, lane), lane_of(from.y, lane), lane_of(from.z, lane)};
-}
-
 }  // namespace
 
 void fill_lane(GhostRow& row, int lane, const GhostContact& from, const SolverBodies<double>& bodies) noexcept {
-  const auto& [points, first, slot, member, ghost, scale, friction] = from;
+  const auto& [points, slot, member, ghost, scale, friction] = from;
   const auto count = static_cast<std::uint32_t>(points.size());
   const BorderContact& contact = points.front();
   row.member[lane] = slot;
   row.ghost[lane] = contact.ghost;
-  row.first[lane] = first;
-  row.count[lane] = count;
   row.points = std::max(row.points, count);
   row.any_round |= contact.member_round > 0.0;
-  set(row.n, lane, contact.normal);
+  set_lane(row.n, lane, contact.normal);
   set_lane(row.friction, lane, contact.friction);
   set_lane(row.round, lane, contact.member_round);
   set_lane(row.inverse_mass, lane, bodies.motion[slot].inverse_mass);
-  set(row.inverse_inertia, lane, bodies.inverse_inertia[slot]);
-  set(row.admittance.linear, lane, ghost.admittance.linear);
-  set(row.admittance.angular, lane, ghost.admittance.angular);
-  for (int i = 0; i < 3; ++i) set(row.admittance.crossed[i], lane, ghost.admittance.crossed[i]);
+  set_lane(row.inverse_inertia, lane, bodies.inverse_inertia[slot]);
+  set_lane(row.admittance.linear, lane, ghost.admittance.linear);
+  set_lane(row.admittance.angular, lane, ghost.admittance.angular);
+  for (int i = 0; i < 3; ++i) set_lane(row.admittance.crossed[i], lane, ghost.admittance.crossed[i]);
 
   Vec3d from_member[GhostRow::kPoints], c_member, c_ghost;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -213,8 +187,8 @@ void fill_lane(GhostRow& row, int lane, const GhostContact& from, const SolverBo
   }
   c_member *= 1.0 / static_cast<double>(count);
   c_ghost *= 1.0 / static_cast<double>(count);
-  set(row.c_member, lane, c_member);
-  set(row.c_ghost, lane, c_ghost);
+  set_lane(row.c_member, lane, c_member);
+  set_lane(row.c_ghost, lane, c_ghost);
   for (std::uint32_t i = 0; i < GhostRow::kPoints; ++i) {
     const bool there = i < count, rubs = there && friction;
     const BorderContact& c = points[there ? i : 0];
@@ -336,25 +310,23 @@ void end_sub_step(GhostRow& c, std::span<GhostState> ghosts) noexcept {
   const Vec3<V> p = sum.impulse(c.n, c.t1, c.t2);
   const Vec3<V> torque = cross(c.c_ghost, p) + sum.moment(c.n, c.t1, c.t2);
   for (std::uint32_t lane = 0; lane < c.used; ++lane)
-    ghosts[c.ghost[lane]].impulse -= Wrenchd{get(p, static_cast<int>(lane)), get(torque, static_cast<int>(lane))};
+    ghosts[c.ghost[lane]].impulse -=
+        Wrenchd{lane_of(p, static_cast<int>(lane)), lane_of(torque, static_cast<int>(lane))};
 }
 
-void store_impulses(const GhostRow& c, int lane, double share, std::span<BorderContact> contacts) noexcept {
-  const auto blend = [&](double& to, const V& lanes) noexcept {
-    const double from = lane_of(lanes, lane);
-    to = share == 1.0 ? from : to + share * (from - to);
-  };
-  for (std::uint32_t i = 0; i < c.count[lane]; ++i) {
-    BorderContact& to = contacts[c.first[lane] + i];
+void store_impulses(const GhostRow& c, int lane, double share, std::span<BorderContact> points) noexcept {
+  const auto blend = [&](double& to, const V& lanes) noexcept { store_impulse(to, lane_of(lanes, lane), share); };
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    BorderContact& to = points[i];
     blend(to.normal_impulse, c.normal_impulse[i]);
     for (int d = 0; d < 2; ++d) blend(to.tangent_impulse[d], c.tangent_impulse[d][i]);
   }
 }
 
-void store_totals(const GhostRow& c, int lane, std::span<BorderContact> contacts) noexcept {
-  const Vec3d t1 = get(c.t1, lane), t2 = get(c.t2, lane);
-  for (std::uint32_t i = 0; i < c.count[lane]; ++i) {
-    BorderContact& to = contacts[c.first[lane] + i];
+void store_totals(const GhostRow& c, int lane, std::span<BorderContact> points) noexcept {
+  const Vec3d t1 = lane_of(c.t1, lane), t2 = lane_of(c.t2, lane);
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    BorderContact& to = points[i];
     to.step_normal_impulse = lane_of(c.total_normal_impulse[i], lane);
     to.step_tangent_impulse =
         lane_of(c.total_tangent_impulse[0][i], lane) * t1 + lane_of(c.total_tangent_impulse[1][i], lane) * t2;

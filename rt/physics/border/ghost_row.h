@@ -31,7 +31,6 @@ struct alignas(64) GhostRow {
   using Lanes = std::uint32_t[kWidth];
 
   Lanes member, ghost;       // slot; index of the ghost
-  Lanes first, count;        // the contact's points among the border contacts
   std::uint32_t used{};      // lanes with a contact
   std::uint32_t points{};    // largest number of points of a lane
   bool slow{}, any_round{};  // swept twice; a lane's member is touched on a ball
@@ -62,7 +61,6 @@ struct alignas(64) GhostRow {
 // A contact of a member with a ghost, to be solved.
 struct GhostContact {
   std::span<const BorderContact> points;
-  std::uint32_t first;  // index of its first point among the border contacts
   std::uint32_t slot;   // of the member
   const Posed& member;  // its pose at the start of the step
   const BorderGhost& ghost;
@@ -92,9 +90,9 @@ void keep_share(GhostRow& row, const SolverBodies<double>& bodies, std::span<Gho
 void scale_impulses(GhostRow& row, double factor) noexcept;
 // Adds the sub-step's impulses and work to those of the step, and to the ghosts'.
 void end_sub_step(GhostRow& row, std::span<GhostState> ghosts) noexcept;
-// Stores the results of a lane in its border contacts: the impulses of the last sub-step (those stored before plus
-// `share` of the change), and sums, work and gaps of the step.
-void store_impulses(const GhostRow& row, int lane, double share, std::span<BorderContact> contacts) noexcept;
-void store_totals(const GhostRow& row, int lane, std::span<BorderContact> contacts) noexcept;
+// Stores the results of a lane in the points of its contact: the impulses of the last sub-step (those stored before
+// plus `share` of the change), and sums, work and gaps of the step.
+void store_impulses(const GhostRow& row, int lane, double share, std::span<BorderContact> points) noexcept;
+void store_totals(const GhostRow& row, int lane, std::span<BorderContact> points) noexcept;
 
 }  // namespace tactus::physics

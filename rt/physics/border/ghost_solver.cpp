@@ -64,7 +64,6 @@ void GhostSolver::prepare(std::span<BorderContact> contacts, std::span<const Bor
   for (const Group& group : groups_)
     fill_lane(rows_[group.row], static_cast<int>(group.lane),
               {.points = contacts.subspan(group.first, group.count),
-               .first = group.first,
                .slot = group.slot,
                .member = bodies[group.slot].motion.pose,
                .ghost = ghosts[group.ghost],
@@ -232,7 +231,8 @@ void GhostSolver::scale_impulses(double factor) noexcept {
 }
 
 void GhostSolver::keep_impulses(std::span<BorderContact> contacts) const noexcept {
-  for (const Group& group : groups_) store_impulses(rows_[group.row], static_cast<int>(group.lane), 1.0, contacts);
+  for (const Group& group : groups_)
+    store_impulses(rows_[group.row], static_cast<int>(group.lane), 1.0, contacts.subspan(group.first, group.count));
 }
 
 void GhostSolver::store(std::span<BorderContact> contacts, std::span<BorderGhost> ghosts, std::span<const Body> bodies,
@@ -246,12 +246,13 @@ void GhostSolver::store(std::span<BorderContact> contacts, std::span<BorderGhost
   for (const Group& group : groups_) {
     const GhostRow& row = rows_[group.row];
     const auto lane = static_cast<int>(group.lane);
-    store_impulses(row, lane, share, contacts);
-    store_totals(row, lane, contacts);
+    const std::span<BorderContact> points = contacts.subspan(group.first, group.count);
+    store_impulses(row, lane, share, points);
+    store_totals(row, lane, points);
     const SolverBody<double>& moved = motion[group.slot];
     const Posed& start = bodies[group.slot].motion.pose;
     const Posed member{start.position + moved.delta_position, moved.delta_rotation * start.rotation};
-    for (BorderContact& c : contacts.subspan(group.first, group.count)) {
+    for (BorderContact& c : points) {
       c.line_point = c.point_on(member);
       if (c.ghost_round > 0.0) follow_ghost(ghosts[group.ghost], ghosts_[group.ghost], member, c);
     }

@@ -266,11 +266,8 @@ void GivenMotionSolver::scale_impulses(double factor) noexcept {
 
 void GivenMotionSolver::store_impulses(std::span<BorderContact> contacts, double share) const noexcept {
   for (std::uint32_t k = 0; k < rows_.size(); ++k) {
-    const auto blend = [share](double& to, double from) noexcept {
-      to = share == 1.0 ? from : to + share * (from - to);
-    };
-    blend(contacts[k].normal_impulse, rows_[k].normal_impulse);
-    for (int d = 0; d < 2; ++d) blend(contacts[k].tangent_impulse[d], rows_[k].tangent_impulse[d]);
+    store_impulse(contacts[k].normal_impulse, rows_[k].normal_impulse, share);
+    for (int d = 0; d < 2; ++d) store_impulse(contacts[k].tangent_impulse[d], rows_[k].tangent_impulse[d], share);
   }
 }
 

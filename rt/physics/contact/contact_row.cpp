@@ -147,22 +147,6 @@ Vec3d rotated_about(const Vec3d& n, double angle, const Vec3d& v) noexcept {
   return v + 2.0 / (1.0 + t * t) * (once + t * cross(n, once));
 }
 
-template <class V>
-TACTUS_INLINE void set(Vec3<V>& to, int lane, const Vec3<LaneOf<V>>& from) noexcept {
-  set_lane(to.x, lane, from.x);
-  set_lane(to.y, lane, from.y);
-  set_lane(to.z, lane, from.z);
-}
-template <class V>
-TACTUS_INLINE void set(SymMat3<V>& to, int lane, const SymMat3<LaneOf<V>>& from) noexcept {
-  set_lane(to.xx, lane, from.xx);
-  set_lane(to.yy, lane, from.yy);
-  set_lane(to.zz, lane, from.zz);
-  set_lane(to.xy, lane, from.xy);
-  set_lane(to.xz, lane, from.xz);
-  set_lane(to.yz, lane, from.yz);
-}
-
 }  // namespace
 
 template <class V>
@@ -180,12 +164,12 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
     set_lane(row.round_a, lane, as_lane(contact.round_a));
     set_lane(row.round_b, lane, as_lane(contact.round_b));
   }
-  set(row.n, lane, number_cast<T>(contact.normal));
+  set_lane(row.n, lane, number_cast<T>(contact.normal));
   set_lane(row.friction, lane, as_lane(contact.friction));
   set_lane(row.inverse_mass_a, lane, bodies.motion[contact.slot_a].inverse_mass);
-  set(row.inverse_inertia_a, lane, bodies.inverse_inertia[contact.slot_a]);
+  set_lane(row.inverse_inertia_a, lane, bodies.inverse_inertia[contact.slot_a]);
   set_lane(row.inverse_mass_b, lane, contact.b_fixed ? T(0) : bodies.motion[contact.slot_b].inverse_mass);
-  set(row.inverse_inertia_b, lane, contact.b_fixed ? SymMat3<T>{} : bodies.inverse_inertia[contact.slot_b]);
+  set_lane(row.inverse_inertia_b, lane, contact.b_fixed ? SymMat3<T>{} : bodies.inverse_inertia[contact.slot_b]);
 
   Vec3d c_a, c_b;
   for (std::uint32_t i = 0; i < contact.count; ++i) {
@@ -197,10 +181,10 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   const auto in_mid_step = [&](const Vec3d& c, std::uint32_t slot) noexcept {
     return rotated_about(contact.normal, 0.5 * dt * dot(contact.normal, number_cast<double>(bodies.motion[slot].w)), c);
   };
-  set(row.start_a, lane, number_cast<T>(c_a));
-  set(row.start_b, lane, number_cast<T>(c_b));
-  set(row.c_a, lane, number_cast<T>(in_mid_step(c_a, contact.slot_a)));
-  set(row.c_b, lane, number_cast<T>(contact.b_fixed ? c_b : in_mid_step(c_b, contact.slot_b)));
+  set_lane(row.start_a, lane, number_cast<T>(c_a));
+  set_lane(row.start_b, lane, number_cast<T>(c_b));
+  set_lane(row.c_a, lane, number_cast<T>(in_mid_step(c_a, contact.slot_a)));
+  set_lane(row.c_b, lane, number_cast<T>(contact.b_fixed ? c_b : in_mid_step(c_b, contact.slot_b)));
   for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
     const ContactPoint& from = contact.points[i < contact.count ? i : 0];
     const bool there = i < contact.count && !from.redundant;
@@ -257,9 +241,9 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   }
 
   NormalPart<V> normal_motion{dot(c.n, v), dot(c.t1, w), dot(c.t2, w)};
-  const std::array<V, 9>& k = c.w_cross;
   TangentPart<V> held;
   if constexpr (kBias && kFriction) {
+    const std::array<V, 9>& k = c.w_cross;
     held = solve_friction<false>(c, TangentPart<V>{dot(c.t1, v), dot(c.t2, v), dot(c.n, w)}, order.friction_backwards);
     normal_motion.n += k[0] * held.t1 + k[3] * held.t2 + k[6] * held.mn;
     normal_motion.m1 += k[1] * held.t1 + k[4] * held.t2 + k[7] * held.mn;
@@ -277,11 +261,7 @@ void solve(ContactRow<V>& c, const SolverBodies<LaneOf<V>>& bodies, const SweepR
   }
   if constexpr (kFriction && !kBias) {
     const TangentPart<V> rubbed =
-        solve_friction<kTotals>(c,
-                                TangentPart<V>{dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
-                                               dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
-                                               dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2},
-                                order.friction_backwards);
+        solve_friction<kTotals>(c, tangent_motion_after(c, v, w, pressed), order.friction_backwards);
     p += rubbed.t1 * c.t1 + rubbed.t2 * c.t2;
     m += rubbed.mn * c.n;
   } else if constexpr (kBias) {

@@ -99,6 +99,11 @@ struct SweepRule {
   }
 };
 
+// Stores an impulse for the next step: `kept` plus `share` of the change (ContactSolver::store).
+inline void store_impulse(double& kept, double now, double share) noexcept {
+  kept = share == 1.0 ? now : kept + share * (now - kept);
+}
+
 // --- filling a row: every lane with a contact, then `complete`. A row with empty lanes must be cleared before.
 // The contacts are in double, whatever V is. The lane's `share` is the caller's to set. `dt` [s]: of the step.
 template <class V>

@@ -324,22 +324,16 @@ void ContactSolver<T, kWidth>::scale_impulses(T factor) noexcept {
 template <class T, int kWidth>
 template <bool kTotals>
 void ContactSolver<T, kWidth>::store_rows(std::span<Contact> contacts, double share) const noexcept {
-  const auto blend = [share](double& kept, double now) noexcept {
-    kept = share == 1.0 ? now : kept + share * (now - kept);
-  };
+  const auto blend = [share](double& kept, T now) noexcept { store_impulse(kept, static_cast<double>(now), share); };
   for_each_row([&](const auto& row) {
     for (std::uint32_t used = 0; used < row.used; ++used) {
       const int lane = static_cast<int>(used);
-      const auto at = [lane](const auto& v) {
-        return Vec3<T>{lane_of(v.x, lane), lane_of(v.y, lane), lane_of(v.z, lane)};
-      };
-      const Vec3<T> t1 = at(row.t1), t2 = at(row.t2);
+      const Vec3<T> t1 = lane_of(row.t1, lane), t2 = lane_of(row.t2, lane);
       Contact& contact = contacts[row.contact[used]];
       for (std::uint32_t i = 0; i < contact.count; ++i) {
         ContactPoint& point = contact.points[i];
-        blend(point.normal_impulse, static_cast<double>(lane_of(row.normal_impulse[i], lane)));
-        for (int d = 0; d < 2; ++d)
-          blend(point.tangent_impulse[d], static_cast<double>(lane_of(row.tangent_impulse[d][i], lane)));
+        blend(point.normal_impulse, lane_of(row.normal_impulse[i], lane));
+        for (int d = 0; d < 2; ++d) blend(point.tangent_impulse[d], lane_of(row.tangent_impulse[d][i], lane));
         if constexpr (kTotals) {
           point.total_normal_impulse = static_cast<double>(lane_of(row.total_normal_impulse[i], lane));
           point.total_friction = number_cast<double>(lane_of(row.total_tangent_impulse[0][i], lane) * t1 +

@@ -1,8 +1,8 @@
 // The points of a row of contacts: how a sweep solves them, one after the other, on six numbers (contact_row.h).
 //
 // A row R has the lanes V of its contacts: points, x, y, separation, gap, friction, w_normal, w_tangent, normal_mass,
-// tangent_mass, normal_impulse, tangent_impulse. Formulas, units and source: contact_row.h. Thread: [rt]; pure. Bound:
-// kMaxManifoldPoints points.
+// tangent_mass, normal_impulse, tangent_impulse, w_cross. Formulas, units and source: contact_row.h. Thread: [rt];
+// pure. Bound: kMaxManifoldPoints points.
 #pragma once
 
 #include <array>
@@ -114,6 +114,17 @@ TACTUS_INLINE NormalPart<V> solve_normals(Row& c, NormalPart<V>& v, const Rule& 
     if constexpr (kTotals) c.total_normal_impulse[i] += next;
   }
   return sum;
+}
+
+// The relative motion along the tangents after the normal impulses, that before them given by its velocity `v` at the
+// plane's centre and angular velocity `w`.
+template <class V, class Row>
+TACTUS_INLINE TangentPart<V> tangent_motion_after(const Row& c, const Vec3<V>& v, const Vec3<V>& w,
+                                                  const NormalPart<V>& pressed) noexcept {
+  const std::array<V, 9>& k = c.w_cross;
+  return {dot(c.t1, v) + k[0] * pressed.n + k[1] * pressed.m1 + k[2] * pressed.m2,
+          dot(c.t2, v) + k[3] * pressed.n + k[4] * pressed.m1 + k[5] * pressed.m2,
+          dot(c.n, w) + k[6] * pressed.n + k[7] * pressed.m1 + k[8] * pressed.m2};
 }
 
 // Solves the friction rows, point after point, each within the disk of its own normal impulse.
