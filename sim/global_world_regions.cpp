@@ -19,6 +19,7 @@ void GlobalWorld::wake_for(const SubWorldReport& report) noexcept {
   };
   for (const auto& member : report.members) wake(member.id);
   for (const auto& entry : report.border) wake(entry.outside);
+  for (const auto& entry : report.outside) wake(entry.id);
 }
 
 // Wakes the bodies in the device's boundary cube, which may become members at the end of the next step.

@@ -244,10 +244,13 @@ SinCos<T> sin_cos(T angle_rad) noexcept {
   const double turns = std::floor(a * two_over_pi + 0.5);
   const double r = (a - turns * pi_half_high) - turns * pi_half_low;  // in [-pi/4, pi/4]
   const double r2 = r * r;
-  // Taylor series to r^17 and r^16: the first omitted term is below 1e-18.
+  // Taylor series to r^17 and r^16: the first omitted term is below 1e-18. Factors, not divisors, which take ten times
+  // as long.
+  constexpr double of_sin[] = {1.0 / 272, 1.0 / 210, 1.0 / 156, 1.0 / 110, 1.0 / 72, 1.0 / 42, 1.0 / 20, 1.0 / 6};
+  constexpr double of_cos[] = {1.0 / 240, 1.0 / 182, 1.0 / 132, 1.0 / 90, 1.0 / 56, 1.0 / 30, 1.0 / 12, 1.0 / 2};
   double s = 1.0, c = 1.0;
-  for (int k = 17; k >= 3; k -= 2) s = 1.0 - s * r2 / (k * (k - 1));
-  for (int k = 16; k >= 2; k -= 2) c = 1.0 - c * r2 / (k * (k - 1));
+  for (const double factor : of_sin) s = 1.0 - s * r2 * factor;
+  for (const double factor : of_cos) c = 1.0 - c * r2 * factor;
   s *= r;
   switch (static_cast<long long>(turns) & 3) {
     case 0:

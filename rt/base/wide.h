@@ -111,6 +111,16 @@ TACTUS_INLINE unsigned bits_of(Wide<double, 4>::Mask which) noexcept {
 #endif
 }
 
+TACTUS_INLINE unsigned bits_of(Wide<float, 8>::Mask which) noexcept {
+#if defined(__AVX__)
+  return static_cast<unsigned>(__builtin_ia32_movmskps256(reinterpret_cast<Wide<float, 8>::Native>(which)));
+#else
+  unsigned bits = 0;
+  for (int i = 0; i < 8; ++i) bits |= which[i] != 0 ? 1u << i : 0u;
+  return bits;
+#endif
+}
+
 // Maximum and minimum; `a` if the operands are equal or not ordered (NaN).
 template <class V>
 TACTUS_INLINE V larger(V a, V b) noexcept {

@@ -19,6 +19,11 @@ void stay_on(int core) noexcept {
   static_cast<void>(sched_setaffinity(0, sizeof one, &one));  // if not permitted, the scheduler chooses
 }
 
+// Without rest: who wakes a thread enters the kernel in the middle of a tick, and a core that halted is cold.
+void wait_for(std::binary_semaphore& semaphore) noexcept {
+  while (!semaphore.try_acquire()) {}
+}
+
 }  // namespace
 
 double thread_time_us() noexcept {
@@ -60,18 +65,22 @@ OtherCore::~OtherCore() {
 void OtherCore::serve(int core) noexcept {
   stay_on(core);
   set_denormals_flush();
-  for (begin_.acquire(); work_; begin_.acquire()) {
+  for (wait_for(begin_); work_; wait_for(begin_)) {
     took_us_ = cpu_time_us(work_);
     done_.release();
   }
 }
 
-double OtherCore::time_us(std::function<void()> work) {
-  if (!there()) return cpu_time_us(work);
+void OtherCore::begin(std::function<void()> work) {
   work_ = std::move(work);
-  begin_.release();
-  // Without rest: a core that halts meanwhile is cold when it goes on.
-  while (!done_.try_acquire()) {}
+  if (there())
+    begin_.release();
+  else
+    took_us_ = cpu_time_us(work_);
+}
+
+double OtherCore::end() {
+  if (there()) wait_for(done_);
   return took_us_;
 }
 

@@ -19,8 +19,8 @@ double wall_time_us() noexcept;
 // Pins this thread to its current core and flushes denormals, for all engines equally.
 void settle_on_core() noexcept;
 
-// Does work on another core than the caller's while that waits: as in a real-time run, the work does not displace what
-// the caller has in its core's caches. Where this process has one core alone, on that. Make it before settle_on_core.
+// Does work on another core than the caller's while that goes on, as in a real-time run. Where this process has one
+// core alone, `begin` does it there and then. Make it before settle_on_core.
 class OtherCore {
  public:
   OtherCore();
@@ -29,7 +29,8 @@ class OtherCore {
   OtherCore& operator=(const OtherCore&) = delete;
 
   bool there() const noexcept { return thread_.joinable(); }
-  double time_us(std::function<void()> work);  // runs it; its CPU time [us]
+  void begin(std::function<void()> work);  // not before `end` of the work begun last
+  double end();                            // waits until the work is done; its CPU time [us]
 
  private:
   void serve(int core) noexcept;

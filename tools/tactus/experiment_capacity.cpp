@@ -61,10 +61,11 @@ void add_capacity(CLI::App& experiment, int& exit_code) {
   command->footer(
       "The proxy stirs a heap of cubes of up to eight layers, all awake. A heap is sustained if 99 of 100 ticks\n"
       "compute for less than the tick and 9 of 10 global steps for less than their r ticks (CPU times; the\n"
-      "global world is computed on a core of its own, if there are two). A heap that is too slow is run again, up to\n"
-      "five times in all (three with --quick); the least time of each tick and step counts. The number of cubes is\n"
-      "doubled until a heap is too slow, then bisected to a factor of 2^(1/8). The haptic side has sub-steps of\n"
-      "0.25 ms at every rate, the global world one for every two ticks, as in pile5000.\n\n"
+      "global world is computed on a core of its own, if there are two, while the ticks go on). A heap that is too\n"
+      "slow is run again, up to five times in all (three with --quick); the least time of each tick and step counts.\n"
+      "The number of cubes is doubled until a heap is too slow, then bisected to a factor of 2^(1/8). As in pile5000,\n"
+      "contacts are of 100 Hz, a tick is one sub-step at every rate, and the global world has one for every two "
+      "ticks.\n\n"
       "Examples:\n"
       "  tactus experiment capacity --quick\n"
       "  tactus experiment capacity --rates 1000 --ratios 10 --page capacity.html");

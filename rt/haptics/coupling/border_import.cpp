@@ -41,26 +41,6 @@ BorderContact contact_at(const BorderPoint& point, const Posed& member) noexcept
   return contact;
 }
 
-bool is_same_point(const BorderContact& p, const BorderContact& q) noexcept {
-  return p.member == q.member && p.outside == q.outside && p.feature == q.feature && p.parts == q.parts;
-}
-
-// Copies the impulses that the same point had before the synchronisation. Both lists are in the global world's order,
-// so the search starts at `hint`, the entry after the last match.
-void warm_start(std::span<const BorderContact> former, std::uint32_t& hint, BorderContact& contact) noexcept {
-  const auto count = static_cast<std::uint32_t>(former.size());
-  for (std::uint32_t i = 0; i < std::min(kSearchWindow, count); ++i) {
-    const std::uint32_t at = (hint + i) % count;
-    const BorderContact& old = former[at];
-    if (!is_same_point(old, contact)) continue;
-    contact.normal_impulse = old.normal_impulse;
-    contact.tangent_impulse[0] = old.tangent_impulse[0];
-    contact.tangent_impulse[1] = old.tangent_impulse[1];
-    hint = at + 1;
-    return;
-  }
-}
-
 // Starts with the impulses of the global step, means over its sub-steps (border_correction.h).
 void start_as_global(const BorderPoint& point, double sub_step_s, BorderContact& contact) noexcept {
   const auto [t1, t2] = tangents_of(point.normal);
@@ -71,11 +51,40 @@ void start_as_global(const BorderPoint& point, double sub_step_s, BorderContact&
 
 }  // namespace
 
+void BorderImport::keep_impulses(std::span<const BorderContact> contacts) noexcept {
+  former_.clear();
+  for (const BorderContact& c : contacts)
+    (void)former_.try_push({.member = c.member,
+                            .outside = c.outside,
+                            .feature = c.feature,
+                            .parts = c.parts,
+                            .normal_impulse = c.normal_impulse,
+                            .tangent_impulse = {c.tangent_impulse[0], c.tangent_impulse[1]}});
+}
+
+// Copies the impulses that the same point had before the synchronisation. Both lists are in the global world's order,
+// so the search starts at `hint`, the entry after the last match.
+void BorderImport::continue_from_former(std::uint32_t& hint, BorderContact& contact) const noexcept {
+  const std::uint32_t count = former_.size();
+  for (std::uint32_t i = 0; i < std::min(kSearchWindow, count); ++i) {
+    const std::uint32_t at = (hint + i) % count;
+    const Former& old = former_[at];
+    if (old.member != contact.member || old.outside != contact.outside || old.feature != contact.feature ||
+        old.parts != contact.parts)
+      continue;
+    contact.normal_impulse = old.normal_impulse;
+    contact.tangent_impulse[0] = old.tangent_impulse[0];
+    contact.tangent_impulse[1] = old.tangent_impulse[1];
+    hint = at + 1;
+    return;
+  }
+}
+
 void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits, double sub_step_s,
                          physics::World& world) noexcept {
   auto& contacts = world.border_contacts();
   auto& ghosts = world.border_ghosts();
-  replaced_.swap(contacts);
+  keep_impulses(contacts.span());
   contacts.clear();
   ghosts.clear();
   outside_velocity_.clear();
@@ -90,7 +99,7 @@ void BorderImport::renew(const WorldSnapshot& snapshot, const physics::BorderTra
     if (traits.ghosts && point.impulse_rate_N > 0)
       start_as_global(point, sub_step_s, contact);
     else
-      warm_start(replaced_.span(), hint, contact);
+      continue_from_former(hint, contact);
     if (traits.ghosts) {
       if (ghost == physics::kNoGhost || ghosts[ghost].outside != point.outside)
         ghost = physics::find_ghost(ghosts.span(), point.outside);

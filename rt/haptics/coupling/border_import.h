@@ -15,8 +15,7 @@ namespace tactus::haptics {
 
 class BorderImport {
  public:
-  explicit BorderImport(std::uint32_t border_contacts)
-      : outside_velocity_(border_contacts), replaced_(border_contacts) {}
+  explicit BorderImport(std::uint32_t border_contacts) : outside_velocity_(border_contacts), former_(border_contacts) {}
 
   // Call at a synchronisation, after the members have changed. `sub_step_s`: of the last tick.
   void renew(const WorldSnapshot& snapshot, const physics::BorderTraits& traits, double sub_step_s,
@@ -31,8 +30,17 @@ class BorderImport {
   }
 
  private:
-  BoundedVector<Vec3d> outside_velocity_;           // m/s, world: per border contact, from the snapshot
-  BoundedVector<physics::BorderContact> replaced_;  // scratch of renew
+  // The impulses of a contact before the synchronisation.
+  struct Former {
+    BodyId member{kNoBody}, outside{kNoBody};
+    std::uint32_t feature{}, parts{};
+    double normal_impulse{}, tangent_impulse[2]{};
+  };
+  void keep_impulses(std::span<const physics::BorderContact> contacts) noexcept;
+  void continue_from_former(std::uint32_t& hint, physics::BorderContact& contact) const noexcept;
+
+  BoundedVector<Vec3d> outside_velocity_;  // m/s, world: per border contact, from the snapshot
+  BoundedVector<Former> former_;           // scratch of renew
 };
 
 }  // namespace tactus::haptics

@@ -130,7 +130,7 @@ struct SubWorldReport {
   Posed proxy_start;                         // world: pose of the proxy, at rest, after the requested reset
   // Of the cycle that ended, leavers included, corrected by the snapshot G(n).
   FixedVector<MemberMotion, kMaxMembers> members;
-  FixedVector<BorderReturn, kMaxBorderPoints> border;
+  FixedVector<BorderReturn, kMaxBorderPoints> border;           // only of borders that return them (BorderTraits)
   FixedVector<OutsideImpulse, kMaxOutsideBodies> outside;       // on ghosts, ascending; ghost border only
   FixedVector<physics::WarmStart, kMaxWarmStarts> warm_starts;  // of the leavers' contacts
   Wrenchd mean_device_wrench;                                   // N, N m: on the proxy, mean over the cycle that ended

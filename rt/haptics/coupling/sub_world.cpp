@@ -43,10 +43,14 @@ void SubWorld::synchronise(const WorldSnapshot& snapshot, SubWorldReport& report
     state_.dissipated_J = 0.0;
   }
   if (border_.has_tank) settle_cycle(snapshot, before_J - state_.corrected_J, first);
-  fill_report(snapshot, report);
-  if (!same_world) forget_world(snapshot.epoch);
+  Leaving leaving = find_leaving(snapshot);
+  fill_report(snapshot, leaving, report);
+  if (!same_world) {
+    forget_world(snapshot.epoch);
+    leaving = {};
+  }
   read_effects(snapshot.effects, false, world_);
-  change_members(snapshot);
+  change_members(snapshot, leaving);
   adopt_border(snapshot);
   adopt_near_triangles(snapshot);
   if (coupling_.members_frozen) freeze_all_but_proxy();
@@ -148,12 +152,18 @@ void SubWorld::forget_world(std::uint32_t epoch) noexcept {
   state_.ticks_in_cycle = state_.has_snapshot = 0;
 }
 
-void SubWorld::change_members(const WorldSnapshot& snapshot) noexcept {
-  std::array<std::uint8_t, kMaxMembers> leaving;
-  for (std::uint32_t slot = 0; slot < members(); ++slot)
-    leaving[slot] = !std::binary_search(snapshot.members.begin(), snapshot.members.end(), world_.bodies()[slot].id);
-  const auto of_members = std::span<const std::uint8_t>(leaving).first(members());
-  if (std::find(of_members.begin(), of_members.end(), 1) != of_members.end()) world_.remove(of_members);
+SubWorld::Leaving SubWorld::find_leaving(const WorldSnapshot& snapshot) const noexcept {
+  Leaving leaving;
+  for (std::uint32_t slot = 0; slot < members(); ++slot) {
+    const BodyId id = world_.bodies()[slot].id;
+    leaving.slots[slot] = !std::binary_search(snapshot.members.begin(), snapshot.members.end(), id);
+    leaving.any |= leaving.slots[slot] != 0;
+  }
+  return leaving;
+}
+
+void SubWorld::change_members(const WorldSnapshot& snapshot, const Leaving& leaving) noexcept {
+  if (leaving.any) world_.remove(std::span(leaving.slots).first(members()));
   for (const auto& joiner : snapshot.joiners) {
     if (physics::Body* member = world_.find(joiner.id)) {
       // Every snapshot contains the frozen members again.

@@ -105,9 +105,16 @@ class SubWorld {
     double received_at_start_J{0}, dissipated_J{0};
   };
 
+  // The members that are none in the snapshot, by slot.
+  struct Leaving {
+    std::array<std::uint8_t, kMaxMembers> slots{};
+    bool any{false};
+  };
+  Leaving find_leaving(const WorldSnapshot& snapshot) const noexcept;
+
   // sub_world_report.cpp
-  void fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
-  void report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept;
+  void fill_report(const WorldSnapshot& snapshot, const Leaving& leaving, SubWorldReport& report) const noexcept;
+  void report_leavers(const Leaving& leaving, SubWorldReport& report) const noexcept;
   void report_border(SubWorldReport& report) const noexcept;
 
   double members_J() const noexcept;
@@ -117,7 +124,7 @@ class SubWorld {
   void correct_members(const WorldSnapshot& snapshot) noexcept;
   void settle_cycle(const WorldSnapshot& snapshot, double taken_by_corrections_J, bool first) noexcept;
   void forget_world(std::uint32_t epoch) noexcept;
-  void change_members(const WorldSnapshot& snapshot) noexcept;
+  void change_members(const WorldSnapshot& snapshot, const Leaving& leaving) noexcept;
   void adopt_impulses(const WorldSnapshot& snapshot) noexcept;
   void adopt_border(const WorldSnapshot& snapshot) noexcept;
   void adopt_near_triangles(const WorldSnapshot& snapshot) noexcept;

@@ -4,7 +4,8 @@
 
 namespace tactus::haptics {
 
-void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
+void SubWorld::fill_report(const WorldSnapshot& snapshot, const Leaving& leaving,
+                           SubWorldReport& report) const noexcept {
   report.cycle = snapshot.cycle;
   report.ticks = state_.ticks_in_cycle;
   report.epoch = state_.epoch;
@@ -29,25 +30,24 @@ void SubWorld::fill_report(const WorldSnapshot& snapshot, SubWorldReport& report
     // Always fits: a sub-world that exchanges has at most kMaxMembers members, because joins have the same capacity.
     if (!report.members.try_push({.id = body.id, .motion = body.motion})) break;
   }
-  report_leavers(snapshot, report);
+  report_leavers(leaving, report);
   report_border(report);
   (void)write_effects(world_, {}, report.effects);
 }
 
 // Reports the impulses of the leavers' contacts, as the global world's warm start.
-void SubWorld::report_leavers(const WorldSnapshot& snapshot, SubWorldReport& report) const noexcept {
-  const auto stays = [&](BodyId id) noexcept {
-    return std::binary_search(snapshot.members.begin(), snapshot.members.end(), id);
-  };
+void SubWorld::report_leavers(const Leaving& leaving, SubWorldReport& report) const noexcept {
+  if (!leaving.any) return;
   for (const auto& contact : world_.contacts()) {
-    const bool low_stays = stays(contact.key.low());
-    const bool high_stays = stays(contact.key.high());
-    const bool one_leaves = contact.b_fixed ? !stays(world_.bodies()[contact.slot_a].id) : !(low_stays && high_stays);
+    const bool one_leaves = leaving.slots[contact.slot_a] || (!contact.b_fixed && leaving.slots[contact.slot_b]);
     if (one_leaves && !report.warm_starts.try_push(physics::World::warm_start_of(contact, last_sub_step_s()))) return;
   }
 }
 
 void SubWorld::report_border(SubWorldReport& report) const noexcept {
+  for (const auto& ghost : world_.border_ghosts())
+    if (!report.outside.try_push({.id = ghost.outside, .impulse = ghost.total_impulse})) break;
+  if (border_.returns == physics::BorderTraits::Return::kNothing) return;
   const physics::Body* member = nullptr;
   for (const auto& contact : world_.border_contacts()) {
     if (member == nullptr || member->id != contact.member) member = world_.find(contact.member);
@@ -63,8 +63,6 @@ void SubWorld::report_border(SubWorldReport& report) const noexcept {
                              .normal_impulse_Ns = contact.total_normal_impulse};
     if (!report.border.try_push(entry)) break;
   }
-  for (const auto& ghost : world_.border_ghosts())
-    if (!report.outside.try_push({.id = ghost.outside, .impulse = ghost.total_impulse})) break;
 }
 
 }  // namespace tactus::haptics

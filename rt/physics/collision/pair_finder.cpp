@@ -1,20 +1,22 @@
 #include "rt/physics/collision/pair_finder.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
+
+#include "rt/base/wide.h"
 
 namespace tactus::physics {
 namespace {
 
+using V = Wide<float, 8>;
+constexpr std::uint32_t kLane = kLanes<V>;
 constexpr std::uint32_t kBlock = 1024;  // boxes compared in one block
-constexpr std::uint32_t kStride = 8;
 
 // Boxes in single precision, one array per coordinate, rounded outward: boxes that do not overlap here do not overlap.
 struct Blocks {
   float lower[3][kBlock], upper[3][kBlock];
-  std::uint32_t near[kBlock];  // 0: does not overlap the box under test
 };
 
 float rounded_down(double value) noexcept {
@@ -24,8 +26,10 @@ float rounded_down(double value) noexcept {
 }
 float rounded_up(double value) noexcept { return -rounded_down(-value); }
 
+// The registers' lanes beyond the last box overlap nothing.
 void fill(std::span<const Aabb> bounds, Blocks& blocks) noexcept {
-  for (std::uint32_t i = 0; i < bounds.size(); ++i) {
+  std::uint32_t i = 0;
+  for (; i < bounds.size(); ++i) {
     const Aabb& box = bounds[i];
     blocks.lower[0][i] = rounded_down(box.lower.x);
     blocks.upper[0][i] = rounded_up(box.upper.x);
@@ -34,28 +38,23 @@ void fill(std::span<const Aabb> bounds, Blocks& blocks) noexcept {
     blocks.lower[2][i] = rounded_down(box.lower.z);
     blocks.upper[2][i] = rounded_up(box.upper.z);
   }
+  for (; i % kLane != 0; ++i)
+    for (int k = 0; k < 3; ++k) {
+      blocks.lower[k][i] = std::numeric_limits<float>::infinity();
+      blocks.upper[k][i] = -std::numeric_limits<float>::infinity();
+    }
 }
 
-// Marks the boxes that box `a` may overlap, from the stride of `first` on; the compiler vectorises the loop.
-void mark(Blocks& blocks, std::uint32_t a, std::uint32_t first, std::uint32_t count) noexcept {
-  float lower[3], upper[3];
+// Bit k is set where box `a` overlaps box `first` + k.
+std::uint32_t overlaps(const Blocks& blocks, std::uint32_t a, std::uint32_t first) noexcept {
+  std::uint32_t near = ~0u;
   for (int k = 0; k < 3; ++k) {
-    lower[k] = blocks.lower[k][a];
-    upper[k] = blocks.upper[k][a];
+    V lower, upper;
+    load(lower, &blocks.lower[k][first]);
+    load(upper, &blocks.upper[k][first]);
+    near &= bits_of(both(V(blocks.lower[k][a]) <= upper, lower <= V(blocks.upper[k][a])));
   }
-  const auto &l = blocks.lower, &u = blocks.upper;
-  for (std::uint32_t b = first / kStride * kStride; b < count; ++b)
-    blocks.near[b] = static_cast<std::uint32_t>(lower[0] <= u[0][b]) & static_cast<std::uint32_t>(l[0][b] <= upper[0]) &
-                     static_cast<std::uint32_t>(lower[1] <= u[1][b]) & static_cast<std::uint32_t>(l[1][b] <= upper[1]) &
-                     static_cast<std::uint32_t>(lower[2] <= u[2][b]) & static_cast<std::uint32_t>(l[2][b] <= upper[2]);
-}
-
-// True if no box of the stride is marked. Entries beyond the last box are zero. Marks at or below
-// the first box of a pair cost at most one more test.
-bool is_empty(const Blocks& blocks, std::uint32_t stride) noexcept {
-  std::uint64_t marks[kStride / 2];
-  std::memcpy(marks, blocks.near + stride, sizeof(marks));
-  return (marks[0] | marks[1] | marks[2] | marks[3]) == 0;
+  return near;
 }
 
 bool find_one_by_one(std::span<const Aabb> bounds, BoundedVector<SlotPair>& pairs) noexcept {
@@ -72,17 +71,16 @@ bool find_pairs_brute_force(std::span<const Aabb> bounds, BoundedVector<SlotPair
   const auto count = static_cast<std::uint32_t>(bounds.size());
   if (count > kBlock) return find_one_by_one(bounds, pairs);
   Blocks blocks;
-  std::memset(blocks.near, 0, sizeof(blocks.near));
   fill(bounds, blocks);
-  for (std::uint32_t a = 0; a + 1 < count; ++a) {
-    mark(blocks, a, a + 1, count);
-    for (std::uint32_t stride = (a + 1) / kStride * kStride; stride < count; stride += kStride) {
-      if (is_empty(blocks, stride)) continue;
-      const std::uint32_t end = std::min(stride + kStride, count);
-      for (std::uint32_t b = std::max(stride, a + 1); b < end; ++b)
-        if (blocks.near[b] != 0 && bounds[a].overlaps(bounds[b]) && !pairs.try_push({a, b})) return false;
+  for (std::uint32_t a = 0; a + 1 < count; ++a)
+    for (std::uint32_t first = (a + 1) / kLane * kLane; first < count; first += kLane) {
+      std::uint32_t near = overlaps(blocks, a, first);
+      if (first <= a) near &= ~1u << (a - first);  // each pair once
+      for (; near != 0; near &= near - 1) {
+        const std::uint32_t b = first + static_cast<std::uint32_t>(std::countr_zero(near));
+        if (bounds[a].overlaps(bounds[b]) && !pairs.try_push({a, b})) return false;
+      }
     }
-  }
   return true;
 }
 

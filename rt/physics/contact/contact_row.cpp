@@ -141,10 +141,11 @@ void fill_mobility(ContactRow<V>& c) noexcept {
 
 // `v` rotated by `angle` [rad] about the unit vector `n`, by Cayley's formula with tan(angle / 2) = angle / 2: exact in
 // length, and to the third order in the angle.
-Vec3d rotated_about(const Vec3d& n, double angle, const Vec3d& v) noexcept {
-  const double t = 0.5 * angle;
-  const Vec3d once = t * cross(n, v);
-  return v + 2.0 / (1.0 + t * t) * (once + t * cross(n, once));
+template <class V>
+TACTUS_INLINE Vec3<V> rotated_about(const Vec3<V>& n, V angle, const Vec3<V>& v) noexcept {
+  const V t = V(0.5f) * angle;
+  const Vec3<V> once = t * cross(n, v);
+  return v + V(2) / (V(1) + t * t) * (once + t * cross(n, once));
 }
 
 }  // namespace
@@ -178,13 +179,14 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   }
   c_a *= 1.0 / static_cast<double>(contact.count);
   c_b *= 1.0 / static_cast<double>(contact.count);
-  const auto in_mid_step = [&](const Vec3d& c, std::uint32_t slot) noexcept {
-    return rotated_about(contact.normal, 0.5 * dt * dot(contact.normal, number_cast<double>(bodies.motion[slot].w)), c);
+  const auto half_turn = [&](std::uint32_t slot) noexcept {
+    return static_cast<T>(0.5 * dt) * dot(number_cast<T>(contact.normal), bodies.motion[slot].w);
   };
   set_lane(row.start_a, lane, number_cast<T>(c_a));
   set_lane(row.start_b, lane, number_cast<T>(c_b));
-  set_lane(row.c_a, lane, number_cast<T>(in_mid_step(c_a, contact.slot_a)));
-  set_lane(row.c_b, lane, number_cast<T>(contact.b_fixed ? c_b : in_mid_step(c_b, contact.slot_b)));
+  // Until `complete` the centres hold the angle by which the bodies turn about the normal in half of the step.
+  set_lane(row.c_a.x, lane, half_turn(contact.slot_a));
+  set_lane(row.c_b.x, lane, contact.b_fixed ? T(0) : half_turn(contact.slot_b));
   for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
     const ContactPoint& from = contact.points[i < contact.count ? i : 0];
     const bool there = i < contact.count && !from.redundant;
@@ -206,6 +208,8 @@ void complete(ContactRow<V>& c) noexcept {
   const auto [t1, t2] = tangents_of(c.n);
   c.t1 = t1;
   c.t2 = t2;
+  c.c_a = rotated_about(c.n, c.c_a.x, c.start_a);
+  c.c_b = rotated_about(c.n, c.c_b.x, c.start_b);
   fill_mobility(c);
   const V zero(0);
   for (std::uint32_t i = 0; i < c.points; ++i) {

@@ -23,7 +23,7 @@ constexpr unsigned kMaxLayers = 8;
 // A heap above this multiple of its limit is not run again.
 constexpr double kHopeless = 2;
 constexpr double kSettle_s = 1.0, kPress_s = 0.2, kCube_m = 0.05, kProxyRadius_m = 0.02;
-constexpr double kSubStep_s = 2.5e-4;  // of the haptic side, at every rate
+constexpr double kContact_Hz = 100;
 
 // A heap as wide as high, up to eight layers, in its box, under a proxy: of at least `least` bodies, enough to fill the
 // layer under the proxy. Contacts and sub-steps are those of sim/scenes/pile5000.toml.
@@ -31,13 +31,11 @@ Result<sim::Scene> make_heap(unsigned least, double rate_Hz) {
   const auto layers = std::clamp(static_cast<unsigned>(std::lround(std::cbrt(least / 2.0))), 1u, kMaxLayers);
   const unsigned bodies = (least + layers - 1) / layers * layers;
   const double top_m = kCube_m * layers + kProxyRadius_m + 5e-4;
-  const auto sub_steps = std::max(1u, static_cast<unsigned>(std::lround(1 / (rate_Hz * kSubStep_s))));
-  return sim::parse_scene(
-      fmt::format(R"(
+  return sim::parse_scene(fmt::format(R"(
 title = "A heap"
 effects = ["gravity", "friction"]
 [simulation]
-contact_hertz_Hz = 100
+contact_hertz_Hz = {}
 sub_steps = {}
 global_sub_steps_per_tick = 0.5
 [device]
@@ -65,8 +63,9 @@ wall_thickness_m = 0.05
 repeat = false
 path = [{{time_s = 0.0, position_m = [0, -0.03, {}]}}]
 )",
-                  sub_steps, top_m, kProxyRadius_m, top_m, bodies, layers, kCube_m, top_m + kCube_m, top_m),
-      "heap");
+                                      kContact_Hz, sim::least_sub_steps(kContact_Hz, 1 / rate_Hz), top_m,
+                                      kProxyRadius_m, top_m, bodies, layers, kCube_m, top_m + kCube_m, top_m),
+                          "heap");
 }
 
 // Down by 12 mm in 0.1 s, then in circles.
@@ -100,6 +99,45 @@ struct HeapTimes {
   std::vector<std::vector<double>> ticks_us{}, steps_us{};
 };
 
+// The ticks of a heap as a run has them: one in each period, while the other core computes the global step that began
+// with the cycle.
+class PacedTicks {
+ public:
+  PacedTicks(CoupledWorlds& worlds, OtherCore& of_global_world, double period_us)
+      : worlds_(worlds), of_global_world_(of_global_world), period_us_(period_us) {}
+
+  // Of a tick; `global_us`: of the global step that began a cycle ago, at the beginning of a cycle.
+  TickCpuTimes operator()(const haptics::DeviceTarget& target) {
+    TickCpuTimes times;
+    if (stepping_ && worlds_.at_synchronisation()) times.global_us = of_global_world_.end();
+    while (wall_time_us() < next_us_) {}
+    next_us_ = std::max(next_us_ + period_us_, wall_time_us());
+    const double begin_us = thread_time_us();
+    const bool synchronised = worlds_.synchronise();
+    times.haptic_us = thread_time_us() - begin_us;
+    if (synchronised) of_global_world_.begin([this] { worlds_.serve(); });
+    stepping_ |= synchronised;
+    const double again_us = thread_time_us();
+    worlds_.step(target);
+    times.haptic_us += thread_time_us() - again_us;
+    return times;
+  }
+  // Waits until the last global step is done.
+  void end() {
+    if (stepping_) of_global_world_.end();
+    stepping_ = false;
+  }
+  ~PacedTicks() { end(); }
+  PacedTicks(const PacedTicks&) = delete;
+  PacedTicks& operator=(const PacedTicks&) = delete;
+
+ private:
+  CoupledWorlds& worlds_;
+  OtherCore& of_global_world_;
+  double period_us_, next_us_{0};
+  bool stepping_{false};
+};
+
 // Runs the heap once more. Returns the point for the minimum times so far.
 Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint point, HeapTimes& times) {
   auto scene = make_heap(point.bodies, point.rate_Hz);
@@ -119,15 +157,20 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
       point.scheme.direct() ? request.ticks : std::max(request.ticks, kMinSteps * point.scheme.ratio);
   std::vector<double>& ticks_us = times.ticks_us.emplace_back();
   std::vector<double>& steps_us = times.steps_us.emplace_back();
+  PacedTicks tick(worlds, times.of_global_world, 1e6 / point.rate_Hz);
   for (unsigned k = 0; k < settle + timed; ++k) {
-    if (k == rest) start.z = top_below(worlds, start) + kProxyRadius_m;
+    if (k == rest) {
+      tick.end();
+      start.z = top_below(worlds, start) + kProxyRadius_m;
+    }
     haptics::DeviceTarget target{true, {start, {}}, {}};
     if (k >= rest) target = stir(start, (k - rest) / point.rate_Hz);
-    const TickCpuTimes taken = timed_tick(worlds, target, &times.of_global_world);
+    const TickCpuTimes taken = tick(target);
     if (k >= settle && taken.global_us) steps_us.push_back(*taken.global_us);
     if (k >= settle) ticks_us.push_back(taken.haptic_us);
-    point.contact_points = point.scheme.direct() ? worlds.last().report.points : worlds.global()->statistics().points;
   }
+  tick.end();
+  point.contact_points = point.scheme.direct() ? worlds.last().report.points : worlds.global()->statistics().points;
   const double period_us = 1e6 / point.rate_Hz;
   const std::vector<double> tick_us = minimum_by_step(times.ticks_us), step_us = minimum_by_step(times.steps_us);
   point.tick_us_p50 = median(tick_us);

@@ -194,13 +194,12 @@ WorldKeyframe CoupledWorlds::keyframe(std::uint64_t tick, bool every_bit) const 
   return keyframe;
 }
 
-TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target, OtherCore* of_global_world) {
+TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target) {
   TickCpuTimes times;
   const double begin_us = thread_time_us();
   const bool synchronised = worlds.synchronise();
   times.haptic_us = thread_time_us() - begin_us;
-  const auto serve = [&] { worlds.serve(); };
-  if (synchronised) times.global_us = of_global_world != nullptr ? of_global_world->time_us(serve) : cpu_time_us(serve);
+  if (synchronised) times.global_us = cpu_time_us([&] { worlds.serve(); });
   const double again_us = thread_time_us();
   worlds.step(target);
   times.haptic_us += thread_time_us() - again_us;

@@ -99,8 +99,6 @@ struct TickCpuTimes {
   double haptic_us{0};
   std::optional<double> global_us;
 };
-// `of_global_world`: the core on which that is computed; none: this one.
-TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target,
-                        OtherCore* of_global_world = nullptr);
+TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target);
 
 }  // namespace tactus::experiment

@@ -50,10 +50,8 @@ TEST_CASE("What a cycle reports of a ghost is the momentum that its member lost,
   check_close(mass * ghost_of(bench).velocity.linear, lost, 1e-15);
   bench.next({1});
   bench.synchronise();
-  REQUIRE(bench.report->border.size() == 1);
-  const auto& given = bench.report->border[0];
-  check_close(-given.normal_impulse_Ns * given.normal - given.tangent_impulse, lost, 1e-15);
-  CHECK(given.tangent_impulse.x < 0);
+  CHECK(lost.x > 0);  // by friction
+  CHECK(bench.report->border.empty());
   REQUIRE(bench.report->outside.size() == 1);
   CHECK(bench.report->outside[0].id == kOutside);
   check_close(bench.report->outside[0].impulse.force, lost, 1e-15);

@@ -107,6 +107,19 @@ TEST_CASE("With the force of the direct coupling it is not stable where a body f
   CHECK_FALSE(is_stable({2, 0.01, 1.8, 0, 1.01 * kMaxEnergyGain}, direct));
 }
 
+TEST_CASE("A scene with more bodies than a sub-world holds has no windows, and is told how it runs without them") {
+  auto pile = case_of_file(TACTUS_SOURCE_DIR "/sim/scenes/pile700.toml");
+  REQUIRE(pile.ok());
+  StudyRequest request;
+  request.cases.push_back(std::move(pile).value());
+  request.seeds = 1;
+  const auto report = run_coupling_study(request, {});
+  REQUIRE(!report.ok());
+  CHECK(report.status().message() ==
+        "pile700: 701 bodies move, and a window starts with all of them in the sub-world; accepted: up to 256; "
+        "--seeds 0 --whole 10 runs the scene without windows");
+}
+
 TEST_CASE("Every ratio has as many cycles in a window, but for the spectrum's least and the script's most") {
   CHECK(window_ticks(8) == 25 * 8);
   CHECK(window_ticks(16) == 25 * 16);
