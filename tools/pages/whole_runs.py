@@ -20,13 +20,23 @@ def direct_twin(row):
     return f"{row['sub_steps_times']} × sub-steps" if row["sub_steps_times"] > 1 else None
 
 
+def unknown_scenes(rows):
+    """{scene: the largest force error of another direct run}, where a hand would notice it: those judge no coupling."""
+    found = {}
+    for r in rows:
+        if direct_twin(r) is not None and is_number(r["force_error"]):
+            found[r["scene"]] = max(found.get(r["scene"], 0.0), r["force_error"])
+    return {scene: error for scene, error in found.items() if error >= NOTICED}
+
+
 def whole_sentences(rows):
-    """One for each coupling and border, over all ratios and hands."""
+    """One for each coupling and border, over all ratios and hands; one of the scenes that judge none."""
     sentences = []
     coupled = [r for r in rows if direct_twin(r) is None]
+    unknown = unknown_scenes(rows)
     for name in unique(name_of(r, False) for r in coupled):
         mine = [r for r in coupled if name_of(r, False) == name]
-        felt = [r for r in mine if is_number(r["force_rms_N"]) and r["force_rms_N"] > 0]
+        felt = [r for r in mine if is_number(r["force_rms_N"]) and r["force_rms_N"] > 0 and r["scene"] not in unknown]
         fallen = unique(f"{html.escape(r['scene'])} at ratio {r['ratio']}" for r in mine if not r["stands"])
         runs = len(unique((r["scene"], r["ratio"]) for r in mine))
         sentences.append(
@@ -34,6 +44,10 @@ def whole_sentences(rows):
             + (f"the force is off by {worst_words(felt, 'force_error', bound=True)}" if felt else "nobody feels a force")
             + f"; gained of the energy at play: {worst_words([{**r, 'gained': gained(r)} for r in mine], 'gained', bound=True)}; "
             + (f"bodies fall in {len(fallen)} of {runs}: {', '.join(fallen)}." if fallen else "every body stands."))
+    if unknown:
+        sentences.append("The forces above leave out scenes whose direct run another direct run does not repeat within "
+                         f"{share(NOTICED)}: " + ", ".join(f"{html.escape(scene)} ({share(error)})"
+                                                            for scene, error in unknown.items()) + ".")
     return sentences
 
 

@@ -123,12 +123,12 @@ def coupled_runs(done, hand="closed"):
     return found
 
 
-def uncertainty(done):
-    """By scene, the largest force error of its other direct runs: one that starts 1 um aside, one with twice the sub-steps."""
+def uncertainty(done, key):
+    """By scene, the largest `key` of its other direct runs: one that starts 1 um aside, one with twice the sub-steps."""
     found = {}
     for row in rows_of(done, "whole"):
-        if row["coupling"] != "sub-world":
-            found[row["scene"]] = max(found.get(row["scene"], 0.0), row["force_error"])
+        if row["coupling"] != "sub-world" and row[key] is not None:
+            found[row["scene"]] = max(found.get(row["scene"], 0.0), row[key])
     return found
 
 
@@ -148,14 +148,16 @@ def whole_cells(runs):
 
 def whole(done):
     """Caps with the same cells are one row."""
-    by_cells, direct = {}, uncertainty(done)
+    by_cells, direct = {}, uncertainty(done, "force_error")
+    poses = uncertainty(done, "pose_off_share_of_size")
     for (scene, cap), runs in coupled_runs(done).items():
         by_cells.setdefault((scene, whole_cells(runs)), []).append(cap)
     rows = [[f"{scene}, {' or '.join(map(str, sorted(caps, reverse=True)))}", force,
-             "-" if force == "no force" or scene not in direct else digits(100 * direct[scene]), *others]
-            for (scene, (force, *others)), caps in by_cells.items()]
-    return markdown(["scene, members", "force, %", "of direct itself, %", "off, mm", "of its size", "energy too much, %",
-                     "tank empty, %", "stands"], rows)
+             "-" if force == "no force" or scene not in direct else digits(100 * direct[scene]), off, of_size,
+             f"{100 * poses[scene]:.1f} %" if scene in poses else "-", *others]
+            for (scene, (force, off, of_size, *others)), caps in by_cells.items()]
+    return markdown(["scene, members", "force, %", "of direct itself, %", "off, mm", "of its size", "of direct itself",
+                     "energy too much, %", "tank empty, %", "stands"], rows)
 
 
 # --- whole runs without a hand
