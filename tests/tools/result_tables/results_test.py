@@ -165,11 +165,14 @@ class Rows(unittest.TestCase):
         rows = [whole_row(cap, ratio) for cap in (16, 8) for ratio in border.WHOLE_RATIOS]
         rows += [whole_row(4, ratio, off_m=0.01, pose_off_share_of_size=0.255, stands=ratio < 16, energy_gain_J=0.1,
                            direct_energy_gain_J=0.04, border_spent_share=ratio / 160) for ratio in border.WHOLE_RATIOS]
-        rows += [whole_row(16, 1, coupling="direct", force_error=error) for error in (0.001, 0.022)]
+        rows += [whole_row(16, 1, coupling="direct", force_error=error, pose_off_share_of_size=off)
+                 for error, off in ((0.001, 0.3), (0.022, None))]
         rows += [whole_row(16, 2, hand="direct", off_m=1)]
         self.assertEqual(cells(border.whole([done("s", {"whole": rows})])), [
-            ["s, 16 or 8", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "0.00, 0.00, 0.00, 0.00, 0.00", "-", "0.00", "0.0", "yes"],
-            ["s, 4", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "10.00, 10.00, 10.00, 10.00, 10.00", "25.5 %", "3.00", "10.0", "NO at 16"]])
+            ["s, 16 or 8", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "0.00, 0.00, 0.00, 0.00, 0.00", "-", "30.0 %", "0.00", "0.0",
+             "yes"],
+            ["s, 4", "0.59, 0.59, 0.59, 0.59, 0.59", "2.2", "10.00, 10.00, 10.00, 10.00, 10.00", "25.5 %", "30.0 %", "3.00", "10.0",
+             "NO at 16"]])
 
     def test_each_coupling_has_its_force_at_both_ratios(self):
         rows = [{"scene": "s", "coupling": c, "ratio": ratio, "force_error_rms": error, "stable": error < 0.5}
