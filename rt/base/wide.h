@@ -101,24 +101,18 @@ TACTUS_INLINE Wide<double, 4> next_lane(Wide<double, 4> a) noexcept {
 }
 
 // Bit k is set where lane k is.
-TACTUS_INLINE unsigned bits_of(Wide<double, 4>::Mask which) noexcept {
+template <class Mask>
+requires(sizeof(Mask) > sizeof(Mask{}[0])) TACTUS_INLINE unsigned bits_of(Mask which) noexcept {
+  constexpr std::size_t lanes = sizeof(Mask) / sizeof(which[0]);
 #if defined(__AVX__)
-  return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Wide<double, 4>::Native>(which)));
-#else
-  unsigned bits = 0;
-  for (int i = 0; i < 4; ++i) bits |= which[i] != 0 ? 1u << i : 0u;
-  return bits;
+  if constexpr (sizeof(Mask) == 32 && lanes == 4)
+    return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Wide<double, 4>::Native>(which)));
+  if constexpr (sizeof(Mask) == 32 && lanes == 8)
+    return static_cast<unsigned>(__builtin_ia32_movmskps256(reinterpret_cast<Wide<float, 8>::Native>(which)));
 #endif
-}
-
-TACTUS_INLINE unsigned bits_of(Wide<float, 8>::Mask which) noexcept {
-#if defined(__AVX__)
-  return static_cast<unsigned>(__builtin_ia32_movmskps256(reinterpret_cast<Wide<float, 8>::Native>(which)));
-#else
   unsigned bits = 0;
-  for (int i = 0; i < 8; ++i) bits |= which[i] != 0 ? 1u << i : 0u;
+  for (std::size_t i = 0; i < lanes; ++i) bits |= which[i] != 0 ? 1u << i : 0u;
   return bits;
-#endif
 }
 
 // Maximum and minimum; `a` if the operands are equal or not ordered (NaN).

@@ -1,10 +1,16 @@
 #include "sim/model/scene.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "rt/base/check.h"
 
 namespace tactus::sim {
+
+unsigned Scene::moving_bodies() const noexcept {
+  return static_cast<unsigned>(std::count_if(
+      bodies.begin(), bodies.end(), [](const physics::Body& body) { return body.kind != physics::BodyKind::kFixed; }));
+}
 
 Scene scene_of_hand(Scene scene, unsigned hand) {
   TACTUS_CHECK(hand < scene.hands(), hand, scene.hands());

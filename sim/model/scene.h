@@ -164,6 +164,7 @@ struct Scene {
   physics::ShapeLists shapes() const noexcept { return {hulls, meshes, compounds}; }
 
   unsigned hands() const noexcept { return 1 + static_cast<unsigned>(more_hands.size()); }
+  unsigned moving_bodies() const noexcept;  // not fixed; the proxies included
 };
 
 // Returns the scene with the chosen hand as its first: `proxy`, `device`, `coupling` and `hand` are that hand's, and

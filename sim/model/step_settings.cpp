@@ -9,11 +9,7 @@
 namespace tactus::sim {
 namespace {
 
-bool is_small(const Scene& scene) {
-  const auto moving = std::count_if(scene.bodies.begin(), scene.bodies.end(),
-                                    [](const physics::Body& body) { return body.kind != physics::BodyKind::kFixed; });
-  return static_cast<std::size_t>(moving) <= kMaxBodiesInFineSteps;
-}
+bool is_small(const Scene& scene) { return scene.moving_bodies() <= kMaxBodiesInFineSteps; }
 
 }  // namespace
 

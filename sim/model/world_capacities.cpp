@@ -26,9 +26,8 @@ constexpr std::uint32_t kTrianglesPerBody = 64;
 // Room for that many bodies on a mesh so fine that each has all the triangles that a body may have.
 constexpr std::uint32_t kBodiesOnFineMesh = 256;
 
-std::uint32_t count_bodies(const Scene& scene, BodyKind kind) noexcept {
-  return static_cast<std::uint32_t>(
-      std::count_if(scene.bodies.begin(), scene.bodies.end(), [&](const Body& b) { return b.kind == kind; }));
+std::uint32_t fixed_bodies(const Scene& scene) noexcept {
+  return static_cast<std::uint32_t>(scene.bodies.size()) - scene.moving_bodies();
 }
 
 // Parts of all bodies that move.
@@ -61,8 +60,8 @@ void add_meshes(const Scene& scene, std::uint32_t parts, physics::Capacities& ca
 
 physics::Capacities capacities_for(const Scene& scene) noexcept {
   const std::uint32_t parts = count_parts(scene);
-  physics::Capacities capacities{.bodies = count_bodies(scene, BodyKind::kDynamic),
-                                 .fixed_bodies = count_bodies(scene, BodyKind::kFixed),
+  physics::Capacities capacities{.bodies = scene.moving_bodies(),
+                                 .fixed_bodies = fixed_bodies(scene),
                                  .pairs = std::max(kMinPairs, kPairsPerBody * parts),
                                  .contacts = std::max(kMinContacts, kContactsPerBody * parts),
                                  .border_contacts = 0};
@@ -73,7 +72,7 @@ physics::Capacities capacities_for(const Scene& scene) noexcept {
 physics::Capacities member_capacities(const Scene& scene, std::uint32_t members) {
   const std::uint32_t parts = most_parts(scene, members);
   physics::Capacities capacities{.bodies = members,
-                                 .fixed_bodies = std::max(1u, count_bodies(scene, BodyKind::kFixed)),
+                                 .fixed_bodies = std::max(1u, fixed_bodies(scene)),
                                  .pairs = kPairsPerBody * parts + kMorePairs,
                                  .contacts = kContactsPerMember * parts + kMoreContacts,
                                  .border_contacts = 0};

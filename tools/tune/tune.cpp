@@ -174,7 +174,7 @@ Result<TuneReport> run_tune(const TuneRequest& request, const experiment::Progre
   report.file = request.file;
   report.scene = request.scene.name;
   report.scene_hash = sim::source_hash(request.scene.source);
-  report.bodies = experiment::moving_bodies(request.scene);
+  report.bodies = request.scene.moving_bodies();
   report.limits = request.limits;
   report.limits.bodies = report.bodies;
   if (report.bodies > haptics::kMaxMembers)

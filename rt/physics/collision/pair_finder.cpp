@@ -11,7 +11,7 @@ namespace tactus::physics {
 namespace {
 
 using V = Wide<float, 8>;
-constexpr std::uint32_t kLane = kLanes<V>;
+constexpr std::uint32_t kWidth = kLanes<V>;
 constexpr std::uint32_t kBlock = 1024;  // boxes compared in one block
 
 // Boxes in single precision, one array per coordinate, rounded outward: boxes that do not overlap here do not overlap.
@@ -38,7 +38,7 @@ void fill(std::span<const Aabb> bounds, Blocks& blocks) noexcept {
     blocks.lower[2][i] = rounded_down(box.lower.z);
     blocks.upper[2][i] = rounded_up(box.upper.z);
   }
-  for (; i % kLane != 0; ++i)
+  for (; i % kWidth != 0; ++i)
     for (int k = 0; k < 3; ++k) {
       blocks.lower[k][i] = std::numeric_limits<float>::infinity();
       blocks.upper[k][i] = -std::numeric_limits<float>::infinity();
@@ -73,7 +73,7 @@ bool find_pairs_brute_force(std::span<const Aabb> bounds, BoundedVector<SlotPair
   Blocks blocks;
   fill(bounds, blocks);
   for (std::uint32_t a = 0; a + 1 < count; ++a)
-    for (std::uint32_t first = (a + 1) / kLane * kLane; first < count; first += kLane) {
+    for (std::uint32_t first = (a + 1) / kWidth * kWidth; first < count; first += kWidth) {
       std::uint32_t near = overlaps(blocks, a, first);
       if (first <= a) near &= ~1u << (a - first);  // each pair once
       for (; near != 0; near &= near - 1) {

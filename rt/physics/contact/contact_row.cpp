@@ -179,14 +179,14 @@ void fill_lane(ContactRow<V>& row, int lane, std::uint32_t index, const Contact&
   }
   c_a *= 1.0 / static_cast<double>(contact.count);
   c_b *= 1.0 / static_cast<double>(contact.count);
-  const auto half_turn = [&](std::uint32_t slot) noexcept {
+  const auto turn_in_half_step = [&](std::uint32_t slot) noexcept {
     return static_cast<T>(0.5 * dt) * dot(number_cast<T>(contact.normal), bodies.motion[slot].w);
   };
   set_lane(row.start_a, lane, number_cast<T>(c_a));
   set_lane(row.start_b, lane, number_cast<T>(c_b));
   // Until `complete` the centres hold the angle by which the bodies turn about the normal in half of the step.
-  set_lane(row.c_a.x, lane, half_turn(contact.slot_a));
-  set_lane(row.c_b.x, lane, contact.b_fixed ? T(0) : half_turn(contact.slot_b));
+  set_lane(row.c_a.x, lane, turn_in_half_step(contact.slot_a));
+  set_lane(row.c_b.x, lane, contact.b_fixed ? T(0) : turn_in_half_step(contact.slot_b));
   for (std::uint32_t i = 0; i < ContactRow<V>::kPoints; ++i) {
     const ContactPoint& from = contact.points[i < contact.count ? i : 0];
     const bool there = i < contact.count && !from.redundant;

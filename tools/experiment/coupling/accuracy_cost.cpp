@@ -100,7 +100,7 @@ CostSetting default_setting(const sim::Scene& scene, unsigned members) {
 
 // Estimated work of a case per seed: its bodies times its settings.
 double work_of(const sim::Scene& scene, const CouplingCase& one, bool quick) {
-  return moving_bodies(scene) * (kReferenceWork + static_cast<double>(settings_for(scene, one.members, quick).size()));
+  return scene.moving_bodies() * (kReferenceWork + static_cast<double>(settings_for(scene, one.members, quick).size()));
 }
 
 std::vector<unsigned> ratios_of(const std::vector<CostSetting>& settings) {
@@ -156,7 +156,7 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, std::sp
   auto written = load_coupling_case(one, 0);
   if (!written.ok()) return written.status();
   const auto settings = settings_for(written.value(), one.members, request.quick);
-  const double unit = moving_bodies(written.value());
+  const double unit = written.value().moving_bodies();
   CaseSums sums;
   for (unsigned seed = 0; seed < request.seeds; ++seed) {
     if (seed > 0 && !measured.empty()) {
@@ -178,7 +178,7 @@ Status measure_case(const CostRequest& request, const CouplingCase& one, std::sp
     report.points.back().tick_us_by_seed = sums.ticks_us[i];
   }
   const CostPoint& base = report.points[first];
-  for (const Change& change : changes_of(settings[0], moving_bodies(written.value()))) {
+  for (const Change& change : changes_of(settings[0], written.value().moving_bodies())) {
     const auto at = std::find(settings.begin(), settings.end(), change.setting) - settings.begin();
     const CostPoint& to = report.points[first + static_cast<std::size_t>(at)];
     report.changes.push_back({.scene = one.name,
@@ -255,7 +255,7 @@ std::vector<CostSetting> settings_for(const sim::Scene& scene, unsigned members,
   const auto add = [&](const CostSetting& setting) {
     if (std::find(settings.begin(), settings.end(), setting) == settings.end()) settings.push_back(setting);
   };
-  const unsigned bodies = moving_bodies(scene);
+  const unsigned bodies = scene.moving_bodies();
   for (const Change& change : changes_of(base, bodies)) add(change.setting);
   if (quick) return settings;
   const std::vector<Scheme> borders = every_border();

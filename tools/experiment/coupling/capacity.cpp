@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include "sim/loader/scene_load.h"
 #include "sim/model/choice_names.h"
+#include "sim/model/step_settings.h"
 #include "tools/experiment/coupling/coupled_worlds.h"
 #include "tools/experiment/statistics.h"
 #include "tools/experiment/timing.h"
@@ -105,31 +108,24 @@ class PacedTicks {
  public:
   PacedTicks(CoupledWorlds& worlds, OtherCore& of_global_world, double period_us)
       : worlds_(worlds), of_global_world_(of_global_world), period_us_(period_us) {}
-
-  // Of a tick; `global_us`: of the global step that began a cycle ago, at the beginning of a cycle.
-  TickCpuTimes operator()(const haptics::DeviceTarget& target) {
-    TickCpuTimes times;
-    if (stepping_ && worlds_.at_synchronisation()) times.global_us = of_global_world_.end();
-    while (wall_time_us() < next_us_) {}
-    next_us_ = std::max(next_us_ + period_us_, wall_time_us());
-    const double begin_us = thread_time_us();
-    const bool synchronised = worlds_.synchronise();
-    times.haptic_us = thread_time_us() - begin_us;
-    if (synchronised) of_global_world_.begin([this] { worlds_.serve(); });
-    stepping_ |= synchronised;
-    const double again_us = thread_time_us();
-    worlds_.step(target);
-    times.haptic_us += thread_time_us() - again_us;
-    return times;
-  }
-  // Waits until the last global step is done.
-  void end() {
-    if (stepping_) of_global_world_.end();
-    stepping_ = false;
-  }
-  ~PacedTicks() { end(); }
+  ~PacedTicks() { (void)end_global_step(); }
   PacedTicks(const PacedTicks&) = delete;
   PacedTicks& operator=(const PacedTicks&) = delete;
+
+  // Waits for the global step that began last; its CPU time [us], none if none began since.
+  std::optional<double> end_global_step() {
+    if (!std::exchange(stepping_, false)) return std::nullopt;
+    return of_global_world_.end();
+  }
+  // Waits for the next period; CPU time of the haptic side [us]. A global step that is due must have ended.
+  double tick_us(const haptics::DeviceTarget& target) {
+    while (wall_time_us() < next_us_) {}
+    next_us_ = std::max(next_us_ + period_us_, wall_time_us());
+    return timed_tick_us(worlds_, target, [this] {
+      of_global_world_.begin([this] { worlds_.serve(); });
+      stepping_ = true;
+    });
+  }
 
  private:
   CoupledWorlds& worlds_;
@@ -157,19 +153,19 @@ Result<CapacityPoint> time_heap(const CapacityRequest& request, CapacityPoint po
       point.scheme.direct() ? request.ticks : std::max(request.ticks, kMinSteps * point.scheme.ratio);
   std::vector<double>& ticks_us = times.ticks_us.emplace_back();
   std::vector<double>& steps_us = times.steps_us.emplace_back();
-  PacedTicks tick(worlds, times.of_global_world, 1e6 / point.rate_Hz);
+  PacedTicks ticks(worlds, times.of_global_world, 1e6 / point.rate_Hz);
   for (unsigned k = 0; k < settle + timed; ++k) {
-    if (k == rest) {
-      tick.end();
-      start.z = top_below(worlds, start) + kProxyRadius_m;
-    }
+    std::optional<double> step_us;
+    if (worlds.at_synchronisation() || k == rest) step_us = ticks.end_global_step();
+    if (k == rest) start.z = top_below(worlds, start) + kProxyRadius_m;
     haptics::DeviceTarget target{true, {start, {}}, {}};
     if (k >= rest) target = stir(start, (k - rest) / point.rate_Hz);
-    const TickCpuTimes taken = tick(target);
-    if (k >= settle && taken.global_us) steps_us.push_back(*taken.global_us);
-    if (k >= settle) ticks_us.push_back(taken.haptic_us);
+    const double tick_us = ticks.tick_us(target);
+    if (k < settle) continue;
+    if (step_us) steps_us.push_back(*step_us);
+    ticks_us.push_back(tick_us);
   }
-  tick.end();
+  (void)ticks.end_global_step();
   point.contact_points = point.scheme.direct() ? worlds.last().report.points : worlds.global()->statistics().points;
   const double period_us = 1e6 / point.rate_Hz;
   const std::vector<double> tick_us = minimum_by_step(times.ticks_us), step_us = minimum_by_step(times.steps_us);

@@ -194,16 +194,11 @@ WorldKeyframe CoupledWorlds::keyframe(std::uint64_t tick, bool every_bit) const 
   return keyframe;
 }
 
-TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target) {
-  TickCpuTimes times;
-  const double begin_us = thread_time_us();
-  const bool synchronised = worlds.synchronise();
-  times.haptic_us = thread_time_us() - begin_us;
-  if (synchronised) times.global_us = cpu_time_us([&] { worlds.serve(); });
-  const double again_us = thread_time_us();
-  worlds.step(target);
-  times.haptic_us += thread_time_us() - again_us;
-  return times;
+double timed_tick_us(CoupledWorlds& worlds, const haptics::DeviceTarget& target, const std::function<void()>& serve) {
+  bool synchronised = false;
+  const double before_us = cpu_time_us([&] { synchronised = worlds.synchronise(); });
+  if (synchronised) serve();
+  return before_us + cpu_time_us([&] { worlds.step(target); });
 }
 
 }  // namespace tactus::experiment

@@ -94,11 +94,8 @@ class CoupledWorlds {
   haptics::SubWorldStep step_;
 };
 
-// CPU time of a tick [us]: of the haptic side, and of the global world at the beginning of a cycle.
-struct TickCpuTimes {
-  double haptic_us{0};
-  std::optional<double> global_us;
-};
-TickCpuTimes timed_tick(CoupledWorlds& worlds, const haptics::DeviceTarget& target);
+// CPU time of the haptic side in a tick [us]. `serve` has the global world computed; called after a synchronisation,
+// its time does not count.
+double timed_tick_us(CoupledWorlds& worlds, const haptics::DeviceTarget& target, const std::function<void()>& serve);
 
 }  // namespace tactus::experiment

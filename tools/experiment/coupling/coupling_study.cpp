@@ -353,9 +353,7 @@ Result<StudyReport> run_coupling_study(const StudyRequest& request, const Progre
   for (const CouplingCase& one : request.cases) {
     auto scene = load_coupling_case(one, 0);
     if (!scene.ok()) return scene.status();
-    const auto moving = std::ranges::count_if(
-        scene.value().bodies, [](const physics::Body& body) { return body.kind != physics::BodyKind::kFixed; });
-    if (moving > haptics::kMaxMembers)
+    if (const unsigned moving = scene.value().moving_bodies(); moving > haptics::kMaxMembers)
       return Status::error(
           fmt::format("{}: {} bodies move, and a window starts with all of them in the sub-world; accepted: up to {}; "
                       "--seeds 0 --whole 10 runs the scene without windows",

@@ -19,9 +19,8 @@ std::vector<Vec3d> timed_window(CoupledWorlds& worlds, const ReferenceRun& refer
   for (std::size_t k = window.start; k < window.start + ticks; ++k) {
     if (!window.hold && k > window.start && worlds.at_synchronisation())
       sums.energy.add(worlds.motion(), reference.motion[k], 0.5 * norm_squared(reference.force[k]) / stiffness_N_per_m);
-    const TickCpuTimes times = timed_tick(worlds, reference.ideal[k]);
-    if (times.global_us) sums.global_us.push_back(*times.global_us);
-    sums.ticks_us.push_back(times.haptic_us);
+    sums.ticks_us.push_back(timed_tick_us(worlds, reference.ideal[k],
+                                          [&] { sums.global_us.push_back(cpu_time_us([&] { worlds.serve(); })); }));
     force.push_back(worlds.last().on_device.force);
   }
   sums.energy.close_window();
@@ -60,12 +59,6 @@ session::RunOptions options_of(const CostSetting& setting) {
   options.members = setting.members;
   options.rate_Hz = kHapticRate_Hz;
   return options;
-}
-
-unsigned moving_bodies(const sim::Scene& scene) {
-  return static_cast<unsigned>(std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const auto& body) {
-    return body.kind == physics::BodyKind::kDynamic;
-  }));
 }
 
 ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& profile, std::size_t ticks,

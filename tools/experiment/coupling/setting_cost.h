@@ -36,8 +36,6 @@ struct CostSetting {
 sim::Scene with(sim::Scene scene, const CostSetting& setting);
 session::RunOptions options_of(const CostSetting& setting);  // with the sub-world coupling
 
-unsigned moving_bodies(const sim::Scene& scene);
-
 // Records the reference with the scene's own hand and all bodies at the haptic rate. `ratios`: those of the settings to
 // be measured.
 ReferenceRun record_fine(const sim::Scene& scene, const hal::DeviceProfile& profile, std::size_t ticks,
