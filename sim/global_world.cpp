@@ -293,7 +293,7 @@ void GlobalWorld::step(std::span<const SubWorldReport* const> reports, std::span
 void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& report) noexcept {
   Device& device = devices_[device_index];
   if (!coupling_.imposes_motion) {
-    take_target(device, report);
+    take_hand(device, report);
     device.reported_proxy = world_.body(slot_of(device)).motion.pose;
     wake_near(device);
     return;
@@ -308,11 +308,11 @@ void GlobalWorld::impose(std::uint32_t device_index, const SubWorldReport& repor
     count(return_impulses(report.border.span(), slots_of_all_members(), border_.returns, world_));
   }
   if (coupling_.device_load == haptics::DeviceLoad::kSpring) {
-    take_target(device, report);
+    take_hand(device, report);
     if (predicts()) {
       SubWorldPrediction& prediction = *predictions_[device_index];
       count(return_impulses(prediction.not_predicted(report), world_));
-      prediction.run(report, device.target);
+      prediction.run(report, device.hand);
     }
     return;
   }
@@ -371,7 +371,7 @@ void GlobalWorld::impose_motion(Device& device, const SubWorldReport& report) no
 
 physics::StepReport GlobalWorld::take_macro_step(std::uint32_t macro_step, std::uint32_t macro_steps) noexcept {
   const auto settings = physics::settings_of_macro_step(settings_, macro_steps);
-  hold_proxy(macro_step * settings.dt);
+  hold_proxy(macro_step * settings.dt, settings.dt);
   const auto bounds_settings = physics::settings_of_macro_step(bounds_settings_, macro_steps);
   for (const Device& device : devices_)
     if (device.device_wrench != Wrenchd{}) world_.apply_wrench(slot_of(device), device.device_wrench);

@@ -168,12 +168,12 @@ class GlobalWorld {
     Extraction extraction;
     haptics::CouplingGains gains;  // world units
     ReachSettings reach;
-    Posed reported_proxy;            // the proxy's pose at t_n in the sub-world
-    Wrenchd device_wrench{};         // N, N m: applied to the proxy over the next step
-    Wrenchd last_device_wrench{};    // N, N m: mean device wrench of the last cycle
-    haptics::DeviceTarget target{};  // the device's state as the next step begins; target of hold_proxy's spring
-    bool has_border{false};          // its last snapshot has outside bodies
-    double border_work_J{0};         // of outside bodies on its members, in the last step
+    Posed reported_proxy;          // the proxy's pose at t_n in the sub-world
+    Wrenchd device_wrench{};       // N, N m: applied to the proxy over the next step
+    Wrenchd last_device_wrench{};  // N, N m: mean device wrench of the last cycle
+    ExtrapolatedHand hand{};       // over the next step; target of hold_proxy's spring
+    bool has_border{false};        // its last snapshot has outside bodies
+    double border_work_J{0};       // of outside bodies on its members, in the last step
     // With several devices: steps since the body, or one jointed to it, last touched the proxy; 0: it does. At most
     // kLongApart.
     BodyVector<std::uint32_t> apart{};
@@ -206,8 +206,8 @@ class GlobalWorld {
   double approach_horizon_s() const noexcept { return 2 * settings_.dt; }
   double sub_step_s() const noexcept { return settings_.dt / settings_.sub_steps; }
   void sleep_from_start() noexcept;
-  void take_target(Device& device, const haptics::SubWorldReport& report) noexcept;
-  void hold_proxy(double elapsed_s) noexcept;
+  void take_hand(Device& device, const haptics::SubWorldReport& report) noexcept;
+  void hold_proxy(double elapsed_s, double macro_step_s) noexcept;
   void update_energy_balance(const haptics::SubWorldReport& report) noexcept;
   void look_at_overlaps(double deepest_m) noexcept;
   void note_member_velocities() noexcept;

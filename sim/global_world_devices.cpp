@@ -9,27 +9,30 @@
 //   - once it has not touched that proxy for linger_cycles and touches another one, it leaves and may join the other.
 // Bodies that joints connect count as one: they touch a proxy if one of them does. These rules depend on the contacts
 // of the global world alone, in the order of devices and bodies, so the same reports give the same members.
-#include "rt/haptics/coupling/device_track.h"
 #include "sim/global_world.h"
 
 namespace tactus::sim {
 
 using haptics::SubWorldReport;
 
-void GlobalWorld::take_target(Device& device, const SubWorldReport& report) noexcept {
+// Without a prediction the hand goes on at its velocity: the bound on the interpolated coupling's gains is for such a
+// hand (interpolation_limit.h), and the other borders do not correct what the global step gets wrong.
+void GlobalWorld::take_hand(Device& device, const SubWorldReport& report) noexcept {
   const bool sane = is_finite(report.device.pose) && is_finite(report.device.velocity);
-  device.target = sane ? report.device : haptics::DeviceTarget{};
+  const double cycle_s = predicts() ? report.ticks * device.reach.tick_period_s : 0.0;
+  device.hand.take(sane ? report.device : haptics::DeviceTarget{}, cycle_s);
 }
 
-// Sets the coupling's spring and damper between each proxy and its device, for a macro step that begins `elapsed_s`
-// after the start of the step; the device's pose is extrapolated at its velocity. With the sub-world coupling the proxy
-// in the global world then pushes its contacts as the proxy in the sub-world will, to second order in the step; with a
-// force held over the step the two would drift apart. A device that is not engaged brings the proxy to rest. The other
-// couplings hold a wrench (impose).
-void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
+// Sets the coupling's spring and damper between each proxy and its device, for a macro step of `macro_step_s` that
+// begins `elapsed_s` after the start of the step; the device is extrapolated, and moves through the macro step at its
+// velocity in the middle. With the sub-world coupling the proxy in the global world then pushes its contacts as the
+// proxy in the sub-world will; with a force held over the step the two would drift apart. A device that is not engaged
+// brings the proxy to rest. The other couplings hold a wrench (impose).
+void GlobalWorld::hold_proxy(double elapsed_s, double macro_step_s) noexcept {
   if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
   for (std::uint32_t d = 0; d < devices_.size(); ++d) {
-    const haptics::DeviceTarget ahead = haptics::moved_on(devices_[d].target, elapsed_s);
+    haptics::DeviceTarget ahead = devices_[d].hand.after(elapsed_s);
+    ahead.velocity = devices_[d].hand.after(elapsed_s + 0.5 * macro_step_s).velocity;
     const physics::SlotIndex slot = slot_of(devices_[d]);
     physics::PoseSpring spring;
     haptics::aim_spring(devices_[d].gains, ahead, slot, world_.body(slot).motion.pose, spring);
@@ -39,7 +42,7 @@ void GlobalWorld::hold_proxy(double elapsed_s) noexcept {
 
 // Clears target and wrenches of a device without a report: those that it sent last are too old to act on the proxy.
 void GlobalWorld::leave_out(Device& device) noexcept {
-  device.target = {};
+  device.hand = {};
   device.device_wrench = {};
   device.last_device_wrench = {};
 }

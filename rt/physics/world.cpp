@@ -192,7 +192,8 @@ void World::begin_step(const StepSettings& settings) noexcept {
   const auto measure = [&](std::uint32_t i) noexcept {
     const Body& body = bodies_[i];
     const Twistd& velocity = body.motion.velocity;
-    double speed = norm(velocity.linear) + norm(velocity.angular) * bounding_radius(body.shape);
+    const double radius = bounding_radius(body.shape);
+    double speed = norm(velocity.linear) + norm(velocity.angular) * radius;
     for (const auto& spring : springs_)
       if (spring.enabled && number_of(spring.slot) == i) speed = std::max(speed, norm(spring.target_velocity.linear));
     MotionBound& bound = motion_bounds_[i];
@@ -201,7 +202,11 @@ void World::begin_step(const StepSettings& settings) noexcept {
       bound.moved = speed * settings.dt;
       bound.fallen = std::abs(body.gravity_scale) * fall;
       bound.advance = velocity.linear * settings.dt;
+      bound.turn = velocity.angular * settings.dt;
       bound.rest = (speed - norm(velocity.linear)) * settings.dt;
+      const double angle = norm(bound.turn);
+      bound.driven = larger(bound.rest - angle * radius, 0.0);
+      bound.curve = 0.5 * angle * angle * radius;
     }
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap, bound);
     frames_[i] = BodyFrame::of(body.motion.pose);
@@ -337,7 +342,7 @@ void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const S
   std::uint32_t left_out = 0;
   for (std::uint32_t i = 0; i < parts_of(body.shape, shapes_.compounds); ++i) {
     const PosedPart part = part_of({body.shape, mesh_from_body}, i, shapes_.compounds);
-    left_out += add_patch_pairs(part.posed(), {body.id, i}, slot, fixed_slot, settings);
+    left_out += add_patch_pairs(part, {body.id, i}, slot, fixed_slot, settings);
   }
   if (left_out == 0) return;
   report.capacity_bits |= kMeshTrianglesFull;
@@ -345,7 +350,7 @@ void World::add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const S
 }
 
 // `part`: in the mesh's frame. Returns the number of triangles that did not fit.
-std::uint32_t World::add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t slot, std::uint32_t fixed_slot,
+std::uint32_t World::add_patch_pairs(const PosedPart& part, BodyPart of, std::uint32_t slot, std::uint32_t fixed_slot,
                                      const StepSettings& settings) noexcept {
   const Body& fixed = fixed_bodies_[fixed_slot];
   const Mesh& mesh = shapes_.meshes[fixed.shape.index];
@@ -353,7 +358,7 @@ std::uint32_t World::add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t
   const Aabb box = bounds_of(part.shape, part.pose, reach, shapes_.hulls);
   const MeshCulling culling(mesh, part, motion_bounds_[slot], fixed.motion.pose.rotation, settings, shapes_.hulls);
   TriangleList near;
-  BodyOnMesh body_on_mesh(mesh, part, reach, shapes_.hulls);
+  BodyOnMesh body_on_mesh(mesh, part.posed(), reach, shapes_.hulls);
   near_triangles.find(mesh, of.body, fixed.shape.index, box, near, &body_on_mesh);
   std::uint32_t left_out = near.left_out;
   PatchTriangles stretch{mesh_triangles_.size(), 0};

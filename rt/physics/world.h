@@ -154,7 +154,7 @@ class World {
   void add_part_pairs(const SlotPair& pair, bool fixed, const StepSettings& settings) noexcept;
   void add_mesh_pairs(std::uint32_t slot, std::uint32_t fixed_slot, const StepSettings& settings,
                       StepReport& report) noexcept;
-  std::uint32_t add_patch_pairs(PosedShape part, BodyPart of, std::uint32_t slot, std::uint32_t fixed_slot,
+  std::uint32_t add_patch_pairs(const PosedPart& part, BodyPart of, std::uint32_t slot, std::uint32_t fixed_slot,
                                 const StepSettings& settings) noexcept;
   void solve(std::span<const std::uint8_t> frozen, std::span<PoseSpring> springs, const StepSettings& settings,
              double impulse_scale, const CutPredicate& cut, StepReport& report) noexcept;

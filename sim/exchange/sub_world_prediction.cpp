@@ -4,7 +4,6 @@
 
 #include "rt/base/list_bytes.h"
 #include "rt/haptics/coupling/border_correction.h"
-#include "rt/haptics/coupling/device_track.h"
 
 namespace tactus::sim {
 
@@ -14,13 +13,11 @@ using haptics::WorldSnapshot;
 
 void SubWorldPrediction::adopt(const WorldSnapshot& snapshot) noexcept { sub_world_.synchronise(snapshot, report_); }
 
-void SubWorldPrediction::run(const SubWorldReport& report, haptics::DeviceTarget device) noexcept {
+void SubWorldPrediction::run(const SubWorldReport& report, const ExtrapolatedHand& hand) noexcept {
   const auto& config = sub_world_.config();
   sub_world_.continue_from(report);
-  for (std::uint32_t tick = 0; tick < config.ratio; ++tick) {
-    last_tick_ = sub_world_.step(device, config.step.sub_steps, {}).report;
-    device = haptics::moved_on(device, config.step.dt);
-  }
+  for (std::uint32_t tick = 0; tick < config.ratio; ++tick)
+    last_tick_ = sub_world_.step(hand.after(tick * config.step.dt), config.step.sub_steps, {}).report;
 }
 
 void SubWorldPrediction::find_corrected(const WorldSnapshot& next) noexcept {

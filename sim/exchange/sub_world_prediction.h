@@ -13,6 +13,7 @@
 #include "rt/haptics/coupling/sub_world.h"
 #include "rt/physics/islands.h"
 #include "rt/physics/world.h"
+#include "sim/exchange/extrapolated_hand.h"
 
 namespace tactus::sim {
 
@@ -24,8 +25,8 @@ class SubWorldPrediction {
   // Begins the cycle of this snapshot as the haptic side will.
   void adopt(const haptics::WorldSnapshot& snapshot) noexcept;
 
-  // Runs the cycle from the state that the report contains, with the device moving on at the velocity of `device`.
-  void run(const haptics::SubWorldReport& report, haptics::DeviceTarget device) noexcept;
+  // Runs the cycle from the state that the report contains.
+  void run(const haptics::SubWorldReport& report, const ExtrapolatedHand& hand) noexcept;
 
   // Finds the members to correct: those of islands in which a member met an outside body in the cycle, in the sub-world
   // or, by the border of `next`, in the global step. Of the other islands the sub-world knew all that moves them, with

@@ -15,10 +15,19 @@ using tactus::test::Random;
 
 namespace {
 
-// A body near rough ground that moves towards it, for a step.
+// A part of a body near rough ground that moves towards it and turns, for a step.
 struct Case {
-  physics::Body body;
+  Shape shape;
+  Posed pose;
+  Vec3d from_body;
   physics::MotionBound bound;
+
+  physics::PosedPart part() const { return {shape, pose, from_body}; }
+  // If the body keeps the shares `go` and `turn` of its velocities.
+  Posed after(double go, double turn) const {
+    const Quatd turned = quat_from_rotation_vector(turn * bound.turn);
+    return {pose.position - from_body + go * bound.advance + rotate(turned, from_body), turned * pose.rotation};
+  }
 };
 
 Case random_case(const std::vector<physics::Hull>& hulls, Random& random) {
@@ -26,9 +35,14 @@ Case random_case(const std::vector<physics::Hull>& hulls, Random& random) {
                           Shape::convex(hulls[0], 0)};
   const Vec3d centre{random(-0.2, 0.2), random(-0.2, 0.2), random(0.0, 0.15)};
   const Shape& shape = shapes[random.below(4)];
-  const Posed pose{centre, random.rotation()};
-  Case made{physics::make_dynamic_body(0, shape, 1.0, 0.5, pose), {}};
-  made.bound.advance = random.vector(0.011);  // below StepSettings::max_margin, beyond which no step looks
+  Case made{shape, {centre, random.rotation()}, {}, {}};
+  if (random.below(2) == 0) made.from_body = random.vector(0.05);
+  // Below StepSettings::max_margin, beyond which no step looks.
+  made.bound.advance = random.vector(0.006);
+  made.bound.turn = random.vector(random.below(3) == 0 ? 0.0 : 0.06);
+  const double angle = norm(made.bound.turn), radius = norm(made.from_body) + physics::bounding_radius(shape);
+  made.bound.rest = angle * radius;
+  made.bound.curve = 0.5 * angle * angle * radius;
   return made;
 }
 
@@ -46,11 +60,9 @@ TEST_CASE(
   int kept = 0, dropped = 0;
   for (int n = 0; n < 3000; ++n) {
     const Case made_case = random_case(hulls, random);
-    const physics::Body& body = made_case.body;
-    const physics::MotionBound& bound = made_case.bound;
-    const Posed& now = body.motion.pose;
-    const physics::MeshCulling culling(made.mesh, {.shape = body.shape, .pose = now}, bound, {}, settings, hulls);
-    const Posed then{now.position + random(0, 1) * bound.advance, now.rotation};
+    const Posed& now = made_case.pose;
+    const physics::MeshCulling culling(made.mesh, made_case.part(), made_case.bound, {}, settings, hulls);
+    const Posed then = made_case.after(random(0, 1), random(0, 1));
     for (std::uint32_t t = 0; t < made.mesh.triangles.size(); ++t) {
       if (culling.can_touch(t)) {
         ++kept;
@@ -58,9 +70,9 @@ TEST_CASE(
       }
       ++dropped;
       const std::uint32_t alone[] = {t};
-      INFO("case " << n << ", triangle " << t << ", shape " << int(body.shape.kind));
+      INFO("case " << n << ", triangle " << t << ", shape " << int(made_case.shape.kind));
       const auto touches = [&](const Posed& pose) {
-        const auto m = physics::collide_patch({body.shape, pose}, {made.mesh, {}, alone}, {.margin = 0.0}, hulls);
+        const auto m = physics::collide_patch({made_case.shape, pose}, {made.mesh, {}, alone}, {.margin = 0.0}, hulls);
         return m.count > 0;
       };
       const auto& patch = made.mesh.patches[made.mesh.triangles[t].patch];

@@ -40,13 +40,4 @@ inline Twistd mean_velocity(const Posed& from, const Posed& to, double time_s) n
           small_rotation_vector(to.rotation * conjugate(from.rotation)) * (1 / time_s)};
 }
 
-// The target after `time_s` at its present velocity.
-inline DeviceTarget moved_on(const DeviceTarget& target, double time_s) noexcept {
-  DeviceTarget ahead = target;
-  if (!target.engaged) return ahead;
-  ahead.pose = {target.pose.position + time_s * target.velocity.linear,
-                quat_from_rotation_vector(time_s * target.velocity.angular) * target.pose.rotation};
-  return ahead;
-}
-
 }  // namespace tactus::haptics

@@ -15,6 +15,9 @@ struct MotionBound {
   double moved{}, fallen{};  // m, upper bounds in this step: of its surface by its velocity, by gravity
   Vec3d advance;             // m: part of `moved` by the centre's velocity; the rest has no known direction
   double rest{};             // m: the rest of `moved`
+  Vec3d turn;                // rad: by the angular velocity in this step
+  double driven{};           // m: part of `rest` that neither velocity causes, but a spring may
+  double curve{};            // m: turn^2 / 2 times the body's radius, how far a point that turns leaves its tangent
   Vec3d shift;               // m, of the centre since the last step
   double turned{};           // rad since the last step, upper bound
   double slack{};            // m, rounding error of `shift`; infinite if the body was not in the last step
@@ -52,6 +55,22 @@ inline double closing_of(const MotionBound& a, const MotionBound& b, const StepS
 inline double closing_along(const Vec3d& n, const MotionBound& a, const MotionBound& b,
                             const StepSettings& settings) noexcept {
   return closing_with(larger(dot(a.advance, n), 0.0) + larger(-dot(b.advance, n), 0.0), a, b, settings);
+}
+
+// Upper bound of a body's motion along the unit vector d in this step [m], if it keeps either velocity or stops.
+// `by_turn`: the motion along d by its turn alone, to first order [m]; the point r turned by the vector t is within
+// t^2 / 2 |r| of r + t x r.
+inline double advance_along(const MotionBound& bound, const Vec3d& d, double by_turn) noexcept {
+  const double rest = smaller(larger(by_turn, 0.0) + (bound.curve + bound.driven), bound.rest);
+  return larger(dot(bound.advance, d), 0.0) + rest;
+}
+// Upper bound of what a step may take from the gap at a contact point [m]; n: unit, from A to B; `from_a`, `from_b`:
+// the point from the bodies' centres. Never more than closing_along, and less where the bodies turn away.
+inline double closing_at(const Vec3d& n, const Vec3d& from_a, const Vec3d& from_b, const MotionBound& a,
+                         const MotionBound& b, const StepSettings& settings) noexcept {
+  const double advance =
+      advance_along(a, n, dot(cross(a.turn, from_a), n)) + advance_along(b, -n, -dot(cross(b.turn, from_b), n));
+  return std::min(advance + larger(a.fallen, b.fallen), settings.max_margin);
 }
 
 // Distance to a fixed body up to which narrow phase is needed [m].

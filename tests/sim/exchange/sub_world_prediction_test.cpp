@@ -1,7 +1,6 @@
 // The global world's prediction of the sub-world, and the corrections that follow from it.
 #include "sim/exchange/sub_world_prediction.h"
 
-#include "rt/haptics/coupling/device_track.h"
 #include "tests/rt/haptics/coupling/sub_world_bench.h"
 
 using namespace tactus;
@@ -54,9 +53,10 @@ struct Pair {
   // A cycle in both, in `ticks` on the haptic side; the hand pulls aside by `aside_m_per_s` more than extrapolated.
   void run(double aside_m_per_s = 0, std::uint32_t ticks = 5) {
     haptic.report->device = pressing();
-    prediction.run(*haptic.report, haptic.report->device);
+    const sim::ExtrapolatedHand hand{.now = haptic.report->device};
+    prediction.run(*haptic.report, hand);
     for (std::uint32_t tick = 0; tick < ticks; ++tick) {
-      DeviceTarget device = haptics::moved_on(pressing(), tick * kTick_s);
+      DeviceTarget device = hand.after(tick * kTick_s);
       device.pose.position.x += aside_m_per_s * tick * kTick_s;
       haptic.step(1, device);
     }
