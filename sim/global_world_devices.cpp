@@ -32,7 +32,7 @@ void GlobalWorld::hold_proxy(double elapsed_s, double macro_step_s) noexcept {
   if (coupling_.device_load != haptics::DeviceLoad::kSpring) return;
   for (std::uint32_t d = 0; d < devices_.size(); ++d) {
     haptics::DeviceTarget ahead = devices_[d].hand.after(elapsed_s);
-    ahead.velocity = devices_[d].hand.after(elapsed_s + 0.5 * macro_step_s).velocity;
+    ahead.velocity = devices_[d].hand.velocity_after(elapsed_s + 0.5 * macro_step_s);
     const physics::SlotIndex slot = slot_of(devices_[d]);
     physics::PoseSpring spring;
     haptics::aim_spring(devices_[d].gains, ahead, slot, world_.body(slot).motion.pose, spring);

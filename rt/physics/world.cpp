@@ -192,8 +192,9 @@ void World::begin_step(const StepSettings& settings) noexcept {
   const auto measure = [&](std::uint32_t i) noexcept {
     const Body& body = bodies_[i];
     const Twistd& velocity = body.motion.velocity;
-    const double radius = bounding_radius(body.shape);
-    double speed = norm(velocity.linear) + norm(velocity.angular) * radius;
+    const double radius = bounding_radius(body.shape), linear = norm(velocity.linear), angular = norm(velocity.angular);
+    const double own_speed = linear + angular * radius;
+    double speed = own_speed;
     for (const auto& spring : springs_)
       if (spring.enabled && number_of(spring.slot) == i) speed = std::max(speed, norm(spring.target_velocity.linear));
     MotionBound& bound = motion_bounds_[i];
@@ -203,9 +204,9 @@ void World::begin_step(const StepSettings& settings) noexcept {
       bound.fallen = std::abs(body.gravity_scale) * fall;
       bound.advance = velocity.linear * settings.dt;
       bound.turn = velocity.angular * settings.dt;
-      bound.rest = (speed - norm(velocity.linear)) * settings.dt;
-      const double angle = norm(bound.turn);
-      bound.driven = larger(bound.rest - angle * radius, 0.0);
+      bound.rest = (speed - linear) * settings.dt;
+      bound.driven = (speed - own_speed) * settings.dt;
+      const double angle = angular * settings.dt;
       bound.curve = 0.5 * angle * angle * radius;
     }
     measure_motion(last_poses_[i], body.motion.pose, kLargestGap, bound);

@@ -41,9 +41,10 @@ struct ExtrapolatedHand {
     const Twistd mean = now.velocity + acceleration * (0.5 * time_s);
     then.pose = {now.pose.position + time_s * mean.linear,
                  quat_from_rotation_vector(time_s * mean.angular) * now.pose.rotation};
-    then.velocity = now.velocity + acceleration * time_s;
+    then.velocity = velocity_after(time_s);
     return then;
   }
+  Twistd velocity_after(double time_s) const noexcept { return now.velocity + acceleration * time_s; }
 
  private:
   static Vec3d steady(const Vec3d& before, const Vec3d& now) noexcept {

@@ -111,12 +111,18 @@ inline void add_point(const PairView& pair, Manifold& manifold, const Vec3d& mid
       .from_a = mid, .from_b = mid - pair.b_from_a, .separation = separation, .feature = feature};
 }
 
-// Keeps the points whose separation is at most the margin [m], in their order.
-inline void drop_points_beyond(double margin, Manifold& manifold) noexcept {
+// Keeps the points for which `is_kept` is true, in their order.
+template <class IsKept>
+void keep_points(IsKept is_kept, Manifold& manifold) noexcept {
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < manifold.count; ++i)
-    if (manifold.points[i].separation <= margin) manifold.points[kept++] = manifold.points[i];
+    if (is_kept(manifold.points[i])) manifold.points[kept++] = manifold.points[i];
   manifold.count = kept;
+}
+
+// Keeps the points whose separation is at most the margin [m].
+inline void drop_points_beyond(double margin, Manifold& manifold) noexcept {
+  keep_points([margin](const ManifoldPoint& point) noexcept { return point.separation <= margin; }, manifold);
 }
 
 // A point on the skeleton of a round shape (centre, axis) and the radius around it; 0 for a box.

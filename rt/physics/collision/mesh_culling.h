@@ -63,10 +63,9 @@ class MeshCulling {
  private:
   static constexpr double kFlat = 1e-5;
 
-  // Separation along the unit vector d up to which points are wanted [m]. `by_turn`: see advance_along.
+  // Separation along the unit vector d up to which points are wanted [m]. `by_turn`: see closing_to_fixed.
   double margin_along(const Vec3d& d, double by_turn) const noexcept {
-    const double closing = std::min(advance_along(bound_, d, by_turn) + bound_.fallen, settings_.max_margin);
-    return patch_margin(closing, settings_);
+    return patch_margin(closing_to_fixed(bound_, d, by_turn, settings_), settings_);
   }
 
   // How far along the unit vector d from the part's centre patches are wanted [m]. A point r that turns by t moves

@@ -57,20 +57,14 @@ inline double closing_along(const Vec3d& n, const MotionBound& a, const MotionBo
   return closing_with(larger(dot(a.advance, n), 0.0) + larger(-dot(b.advance, n), 0.0), a, b, settings);
 }
 
-// Upper bound of a body's motion along the unit vector d in this step [m], if it keeps either velocity or stops.
-// `by_turn`: the motion along d by its turn alone, to first order [m]; the point r turned by the vector t is within
-// t^2 / 2 |r| of r + t x r.
-inline double advance_along(const MotionBound& bound, const Vec3d& d, double by_turn) noexcept {
+// Upper bound of what a step may take from the distance of a body to a fixed one along the unit vector d [m], if the
+// body keeps either velocity or stops. `by_turn`: motion along d of the point in question by the body's turn alone, to
+// first order [m]: d . (t x r) for the point r from the centre and the turn t. It is within t^2 / 2 |r| of that. Never
+// more than closing_along, and less on the side from which the body turns away.
+inline double closing_to_fixed(const MotionBound& bound, const Vec3d& d, double by_turn,
+                               const StepSettings& settings) noexcept {
   const double rest = smaller(larger(by_turn, 0.0) + (bound.curve + bound.driven), bound.rest);
-  return larger(dot(bound.advance, d), 0.0) + rest;
-}
-// Upper bound of what a step may take from the gap at a contact point [m]; n: unit, from A to B; `from_a`, `from_b`:
-// the point from the bodies' centres. Never more than closing_along, and less where the bodies turn away.
-inline double closing_at(const Vec3d& n, const Vec3d& from_a, const Vec3d& from_b, const MotionBound& a,
-                         const MotionBound& b, const StepSettings& settings) noexcept {
-  const double advance =
-      advance_along(a, n, dot(cross(a.turn, from_a), n)) + advance_along(b, -n, -dot(cross(b.turn, from_b), n));
-  return std::min(advance + larger(a.fallen, b.fallen), settings.max_margin);
+  return std::min(larger(dot(bound.advance, d), 0.0) + rest + bound.fallen, settings.max_margin);
 }
 
 // Distance to a fixed body up to which narrow phase is needed [m].

@@ -35,20 +35,16 @@ double margin_for(bool with_patch, double closing, const StepSettings& settings)
 
 constexpr MotionBound kStill{};  // of a fixed body
 
-// Keeps the points with a patch whose gap this step may close. A body on rough ground is near many patches and touches
-// few; its contacts with them are not carried over, so their points are found anew in the next step.
+// Of a body and a patch keeps the points whose gap this step may close. A body on rough ground is near many patches and
+// touches few; its contacts with them are not carried over, so their points are found anew in the next step.
 void drop_points_out_of_reach(const MotionBound& body, const StepSettings& settings, Manifold& manifold) noexcept {
-  std::uint32_t kept = 0;
-  for (std::uint32_t i = 0; i < manifold.count; ++i) {
-    const ManifoldPoint& point = manifold.points[i];
-    if (point.separation > 0.0) {
-      const double closing = closing_at(manifold.normal, point.from_a, point.from_b, body, kStill, settings);
-      if (point.separation > patch_margin(closing, settings)) continue;
-    }
-    if (kept != i) manifold.points[kept] = point;
-    ++kept;
-  }
-  manifold.count = kept;
+  const Vec3d& n = manifold.normal;
+  const auto in_reach = [&](const ManifoldPoint& point) noexcept {
+    if (point.separation <= 0.0) return true;
+    const double by_turn = dot(cross(body.turn, point.from_a), n);
+    return point.separation <= patch_margin(closing_to_fixed(body, n, by_turn, settings), settings);
+  };
+  keep_points(in_reach, manifold);
 }
 
 // Number of pairs visited at a time: enough to share their searches, few enough to stay in the cache.
@@ -243,11 +239,15 @@ void ContactTable::take_found(Walk& walk, const Visit& visit, const Search& sear
   const bool with_fixed = pair.key.with_fixed();
   // The margin of the search covers motion in any direction. Now the normal is known: only motion along it counts.
   const MotionBound& bound_a = walk.scene.motion_bounds[pair.a];
-  const MotionBound& bound_b = with_fixed ? kStill : walk.scene.motion_bounds[pair.b];
-  const double closing = closing_along(manifold.normal, bound_a, bound_b, walk.settings);
-  const double margin = std::min(search.query.margin, margin_for(pair.patch.count > 0, closing, walk.settings));
-  drop_points_beyond(margin, manifold);
-  if (pair.patch.count > 0) drop_points_out_of_reach(bound_a, walk.settings, manifold);
+  double margin = search.query.margin;
+  if (pair.patch.count > 0) {
+    drop_points_out_of_reach(bound_a, walk.settings, manifold);
+  } else {
+    const MotionBound& bound_b = with_fixed ? kStill : walk.scene.motion_bounds[pair.b];
+    const double closing = closing_along(manifold.normal, bound_a, bound_b, walk.settings);
+    margin = std::min(margin, margin_for(false, closing, walk.settings));
+    drop_points_beyond(margin, manifold);
+  }
   if (manifold.count == 0) return set_apart();
   const Sides sides = sides_of(walk.scene, pair);
   const Body &a = sides.a, &b = sides.b;

@@ -48,8 +48,8 @@ TEST_CASE("What rests on members stands as in the direct run, nobody touching it
 }
 
 TEST_CASE("What tips, rolls, hangs across the border or is hit is felt as in the direct run, at every ratio") {
-  // Force error at ratios 2 and 8, and at 16; impacts within 10 % (drop, billiard; the cradle is below, as is what whip
-  // should hold).
+  // Force error at ratios 2 and 8, and at 16; impacts within 10 % (drop, billiard; the cradle is below). The direct run
+  // of whip is off by 3 % of one with twice the sub-steps.
   const auto [scene, most, most_at_16] = GENERATE(table<std::string, double, double>({{"seesaw", 0.02, 0.05},
                                                                                       {"crib", 0.02, 0.05},
                                                                                       {"plate_on_balls", 0.02, 0.05},
@@ -58,7 +58,7 @@ TEST_CASE("What tips, rolls, hangs across the border or is hit is felt as in the
                                                                                       {"hit", 0.02, 0.05},
                                                                                       {"pyramid_top", 0.02, 0.05},
                                                                                       {"tray", 0.02, 0.05},
-                                                                                      {"whip", 0.035, 0.06},
+                                                                                      {"whip", 0.03, 0.06},
                                                                                       {"drop", 0.1, 0.1},
                                                                                       {"billiard", 0.1, 0.1}}));
   for (const WholeRunRow& row : runs_of(scene, {2, 8, 16}, {0, 4}, 3)) {
@@ -66,16 +66,17 @@ TEST_CASE("What tips, rolls, hangs across the border or is hit is felt as in the
                << " %, off by " << 1e3 * row.pose_off_m << " mm, " << row.fallen << " fell, tank empty in "
                << 100 * row.account.spent_share << " % of the ticks");
     CHECK(row.stands);
-    CHECK(row.force_error < (row.scheme.ratio == 16 ? most_at_16 : most));
+    const bool misses = scene == "whip" && row.scheme.ratio == 8 && row.members == 4;  // see the next case
+    CHECK(row.force_error < (misses ? 0.035 : row.scheme.ratio == 16 ? most_at_16 : most));
     CHECK(row.energy_gain_J - row.direct_energy_gain_J < 1e-2 * row.energy_at_play_J);
     CHECK(row.account.spent_share < 0.1);
   }
 }
 
-// The direct run is off by 3 % of one with twice the sub-steps. 3.1 % with four members; 2.98 % while the hand was
-// extrapolated by its velocity alone.
-TEST_CASE("A chain that whips is felt within 3 % through the border at ratio 8", "[!shouldfail]") {
-  for (const WholeRunRow& row : runs_of("whip", {8}, {0, 4}, 3)) REQUIRE(row.force_error < 0.03);
+// 3.1 %; 2.98 % while the hand was extrapolated by its velocity alone.
+TEST_CASE("A chain that whips, cut at four members, is felt within 3 % through the border at ratio 8",
+          "[!shouldfail]") {
+  CHECK(runs_of("whip", {8}, {4}, 3)[0].force_error < 0.03);
 }
 
 // With the border of two steps later and bodies of now the proxy jumped by 2.5 mm at the first synchronisation.
@@ -103,7 +104,7 @@ TEST_CASE("Balls that are pushed into a row are felt within 10 % through the bor
 
 // Off by 18 % at ratio 16 while the hand was extrapolated by its velocity alone (sim/exchange/extrapolated_hand.h).
 TEST_CASE("Newton's cradle is felt within 10 % through the border at ratios 2 to 16") {
-  for (const WholeRunRow& row : runs_of("cradle", {2, 8, 16}, {3, 2}, 6)) {
+  for (const WholeRunRow& row : runs_of("cradle", {2, 8, 16}, {3, 2}, 3)) {
     INFO("ratio " << row.scheme.ratio << ", " << row.members << " members: " << 100 * row.force_error << " %");
     CHECK(row.force_error < 0.1);
     CHECK(row.stands);
